@@ -1,7 +1,7 @@
 //! Errors of the decoder: the fault, the violated clause, and the byte offset.
 //!
-//! A fault of the file ([`Class::Malformed`]), a feature that this decoder does not support ([`Class::Unsupported`]) and
-//! an exceeded limit ([`Class::Limit`]) are separate classes. The program has a separate exit status for each.
+//! A fault in the file ([`Class::Malformed`]), a feature that this decoder does not support ([`Class::Unsupported`]) and an
+//! exceeded limit ([`Class::Limit`]) are separate classes. The program has a separate exit status for each.
 
 use std::fmt;
 
@@ -88,7 +88,7 @@ pub enum Kind {
         plane: usize,
         /// True if the stream may be legal, but uses an unsupported feature.
         unsupported: bool,
-        /// Fault of the stream.
+        /// Description of the fault.
         what: String,
     },
     /// The size of the side information is not a multiple of the record size.

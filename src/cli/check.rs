@@ -131,7 +131,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     Ok(status)
 }
 
-/// Adds the wrapper's faults to the results of first contact. If there are any, the run ends there.
+/// Adds the wrapper's faults to the results of first contact. If there are any faults, the run ends after first contact.
 fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
     for fault in faults {
         let says = match &fault.next {

@@ -1,4 +1,4 @@
-//! Files of a collection: given on the command line, in a list, or as the contents of a folder.
+//! Files of a collection, named on the command line or in a list, or found in folders.
 //!
 //! Collections of any size are walked in bounded memory: the names in a folder are read in chunks of limited size. Links inside
 //! folders are not followed, so a walk cannot loop.
@@ -47,10 +47,10 @@ pub type NamedPath = (PathBuf, bool);
 /// Step of a walk: an item, or (as the error) a folder to enter.
 type WalkStep = Result<WalkItem, PathBuf>;
 
-/// Name and type of an entry of a folder.
+/// Name and type of a folder entry, or the error that occurred while reading it.
 type FolderEntry = io::Result<(OsString, FileType)>;
 
-/// Returns the files in `paths` and in their folders. Subfolders are included if `recursive` is true.
+/// Walks the files and folders in `paths`. Subfolders are included if `recursive` is true.
 pub fn walk(
     mut paths: impl Iterator<Item = NamedPath> + Send,
     recursive: bool,
@@ -92,7 +92,7 @@ fn classify_named_path((path, is_listed): NamedPath) -> WalkStep {
     }
 }
 
-/// Classifies an entry of a folder.
+/// Classifies a folder entry.
 fn classify_entry(folder: &Path, entry: FolderEntry) -> WalkStep {
     let (path, kind) = match entry {
         Ok((name, kind)) => (folder.join(name), kind),
@@ -131,7 +131,7 @@ fn sorted_entries(folder: ReadDir) -> impl Iterator<Item = FolderEntry> + Send {
     })
 }
 
-/// Reads the paths in a list, each terminated by `end`. The list ends at the first read error.
+/// Reads paths from a list, each terminated by `end`. Stops at the first read error.
 pub fn paths(mut list: impl BufRead + Send, end: u8) -> impl Iterator<Item = PathBuf> + Send {
     std::iter::from_fn(move || {
         loop {

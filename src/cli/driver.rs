@@ -1,4 +1,4 @@
-//! Drives the run of any suite: first contact, cases, verdicts, report and causes, in that order.
+//! Drives a run of any suite: first contact, cases, verdicts, report and causes, in that order.
 
 use std::fs;
 use std::io::{self, Write};
@@ -25,7 +25,7 @@ use ptm_conform::session::run::{Run, Session};
 use ptm_conform::session::{asking::DecoderFn, contact::Contact, observation::Observation};
 use ptm_conform::suite::cases::Suite;
 
-/// Minimum number of cases outside the smoke subset for an early report of causes. Shorter runs report causes at the end.
+/// Minimum number of cases outside the smoke subset for an early report of causes. Shorter runs report causes only at the end.
 const MIN_OTHER_CASES: usize = 200;
 
 /// Minimum time limit for the early search for causes. In a long run, the limit is a tenth of the estimated duration of the run.

@@ -83,7 +83,7 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     0
 }
 
-/// Returns an error if a problem with this program rather than the decoder ended the run without a verdict.
+/// Returns an error if the run ended without a verdict because of a problem with this program, not with the decoder.
 pub fn check_trouble(decoder: &Decoder) -> Result<(), String> {
     match decoder.trouble() {
         None => Ok(()),

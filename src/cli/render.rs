@@ -44,7 +44,7 @@ pub struct RenderArgs {
     output: PathBuf,
 }
 
-/// Maximum side length in texels of an image for which `--zoom` is suggested.
+/// Maximum side length, in texels, of an image for which `--zoom` is suggested.
 const MAX_SMALL_SIDE: u32 = 32;
 
 pub fn run(args: &RenderArgs) -> CommandResult {

@@ -46,7 +46,7 @@ impl Subject {
         }
     }
 
-    /// Treats a crash on an optional table spelling as a refusal if crashes and refusals of the subject cannot be distinguished.
+    /// Treats a crash on an optional table spelling as a refusal if the subject's crashes and refusals cannot be distinguished.
     pub fn interpret_reply(&self, suite: &Suite, request: &Request, mut reply: Reply) -> Reply {
         let is_spelling = |case: &Case| case.expect == Expect::Spelling;
         if !self.withheld.is_empty()

@@ -14,8 +14,8 @@
 //! ```
 //!
 //! Format notes
-//! - The last byte is padded. T.81 requires ones (F.1.2.3), but T.87 does not specify the padding. Decoders do not check it, and
-//!   neither does this one.
+//! - The last byte is padded. T.81 requires ones (F.1.2.3), but T.87 does not specify the padding. Decoders, including this one,
+//!   do not check it.
 //! - Less than one byte should be left after the last sample. If more is left, the decoder lost synchronization, or the encoder
 //!   wrote too many samples.
 

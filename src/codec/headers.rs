@@ -12,9 +12,9 @@
 //!
 //! Format notes
 //! - Height precedes width. A height of zero means "defined later, by DNL" (B.2.5).
-//! - Sampling factors are relative: they set the size of a component compared to the *other* components (A.1.1), and
-//!   a scan of one component has its blocks in plain raster order regardless of them (A.2.2). All legal factors are
-//!   therefore equivalent here.
+//! - Sampling factors are relative: they set the size of a component compared to the *other* components (A.1.1), and a scan of
+//!   one component has its blocks in plain raster order regardless of its factors (A.2.2). All legal factors are therefore
+//!   equivalent here.
 //! - The id of a component can be any byte. It must be the same in both headers.
 //! - The three parameters of a scan depend on the standard. In T.81, they are the start and end of the spectral
 //!   selection and the successive approximation. In T.87, they are NEAR, the interleave mode and the point transform.

@@ -118,7 +118,7 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
     }
 }
 
-/// Checks the size of the input of both encoders.
+/// Checks the size of the image passed to an encoder.
 ///
 /// # Panics
 /// Panics if the number of samples is not `width` × `height`, or a side is not within 1 … 65,535.

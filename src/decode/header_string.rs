@@ -9,8 +9,8 @@
 //!
 //! Format notes
 //! - `PTM_1.1` files exist. They interleave nine bytes per texel and must not be decoded as 1.2 (ruling `version`).
-//! - A carriage return before the line feed is rejected (ruling `header-blanks`). A file that was transferred as text
-//!   also has one before every 0x0A of its payload, so its image is destroyed.
+//! - A carriage return before the line feed is rejected (ruling `header-blanks`). A file that was transferred as text also has a
+//!   carriage return before every 0x0A in its payload, so its image is destroyed.
 //! - Only this line identifies a file as a PTM. The extension of the file name is ignored.
 
 use crate::error::Result;

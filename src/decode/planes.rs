@@ -18,8 +18,8 @@
 //!   planes are predicted from the corrected plane (clause 2.9.8/7).
 //! - A position is the index of a texel in stored order. The first stored row is the bottom row of the image (clause
 //!   2.9.8/6, ruling `side-information`).
-//! - A stream defines its own tables, sampling factors and NEAR. The file only requires its size, one component and 8
-//!   bits (ruling `plane-stream`).
+//! - A stream defines its own tables, sampling factors and NEAR. The format prescribes only its size, one component and 8 bits
+//!   (ruling `plane-stream`).
 //! - A stream is self-contained: its tables and parameters do not apply to other planes.
 //! - Records are applied regardless of the parameter, even in lossless files (ruling `side-lossless`). If two
 //!   records have the same position, the last one wins (ruling `side-twice`).
@@ -36,7 +36,7 @@ use crate::ptm::{Coding, Header, Limits};
 use crate::reading::Reading;
 
 /// Reads the payload of a compressed file. Returns an error if the payload is incomplete (clause 2.9.8/2, ruling `payload-end`)
-/// or its planes are too large. If the byte ranges of `plan` overflow, `declared_size` is the size of the payload.
+/// or its planes are too large. `declared_size` is the size of the payload if the byte ranges in `plan` overflow.
 #[expect(
     clippy::trivially_copy_pass_by_ref,
     reason = "limits and headers are passed by reference regardless of their size"

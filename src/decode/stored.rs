@@ -90,7 +90,7 @@ impl StoredMap<'_> {
         }
     }
 
-    /// Assembles texels of one row, counted from the top.
+    /// Assembles the texels of a row in the given columns. Rows are counted from the top.
     fn read(&self, row: u32, columns: Range<u32>, texels: &mut [u8]) {
         let width = self.header.size.width as usize;
         let start = (self.reading.stored_row)(&self.header, row as usize) * width;

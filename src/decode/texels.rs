@@ -15,8 +15,8 @@
 //!
 //! Format notes
 //! - The first byte of the first block directly follows the line feed of the last header line, regardless of its value.
-//! - Blocks are not interleaved: all coefficients of all texels precede the first color. `PTM_1.1` interleaves the
-//!   nine bytes of a texel, and some decoders derived from 1.1 decoders still expect that.
+//! - Blocks are not interleaved: all coefficients of all texels precede the first color. `PTM_1.1` interleaves the nine bytes of
+//!   a texel, and some decoders derived from 1.1 decoders still expect this order.
 //! - The six coefficients of a texel are adjacent in every uncompressed format. Only §2.9 has planes.
 //! - This module defines the order of stored rows for all formats. [`super::stored`] flips the rows.
 
@@ -66,8 +66,8 @@ pub(crate) fn block_containing(format: Format, channel: usize) -> Option<(usize,
     (blocks(format).iter().enumerate()).find(|(_, block)| contains(block))
 }
 
-/// Returns the index of the stored row for `row`, counted from the top. The bottom row is stored first (clauses 2.7.1/3, 2.7.2/3,
-/// 2.7.3/3, 2.8.1/5, 2.8.2/4), including in compressed planes (clause 2.9.8/9, ruling `rows`).
+/// Converts `row`, which is counted from the top, to the index of the stored row. The bottom row is stored first (clauses
+/// 2.7.1/3, 2.7.2/3, 2.7.3/3, 2.8.1/5, 2.8.2/4), including in compressed planes (clause 2.9.8/9, ruling `rows`).
 pub(crate) fn bottom_row_first(header: &Header, row: usize) -> usize {
     header.size.height as usize - 1 - row
 }

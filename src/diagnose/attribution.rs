@@ -65,8 +65,8 @@ pub(super) fn attribute_failures(
     (diagnoses, left)
 }
 
-/// Returns true if many unexplained wrong images have the formats of the explained ones, but earlier views. "Many" means more
-/// than half the number of explained failures. A mistake in an earlier step may explain the later images as well.
+/// Returns true if many unexplained wrong images have the same formats as the explained ones but belong to earlier views. "Many"
+/// means more than half the number of explained failures. A mistake in an earlier step may explain the later images as well.
 fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |&w: &usize| witnesses[w].observation.view.kind();
     let format = |&w: &usize| witnesses[w].case.format();
@@ -162,8 +162,8 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
         || contradictions > 0 && is_guess()
 }
 
-/// Returns true if the mistake at `index` is incompatible with mistakes that explain more failures. This is so if it would spoil
-/// more responses than it explains: one of the others alone reproduces such a response, but both mistakes together do not.
+/// Returns true if the mistake at `index` is incompatible with mistakes that explain more failures, because it would spoil more
+/// responses than it explains. A response is spoiled if one of the other mistakes alone reproduces it, but both together do not.
 fn is_incompatible(search: &Search, set: &[MistakeId], shares: &[Share], index: usize) -> bool {
     let own = shares[index].explains.len();
     if own == 0 {
@@ -268,7 +268,7 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
     }
 }
 
-/// Returns the indices of the mistakes in `set` that are needed to explain a failure: one mistake that is sufficient alone, or
+/// Returns the indices in `set` of the mistakes that are needed to explain a failure: one mistake that is sufficient alone, or
 /// else all indispensable mistakes. Returns the first mistake if none is indispensable.
 fn needed_mistakes(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
     let explained = |set: &[MistakeId]| search.explains(w, set);

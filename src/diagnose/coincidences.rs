@@ -31,7 +31,7 @@ struct FailureEvidence {
     changed_images: usize,
     /// Number of legal files that the decoder refuses or crashes on and whose answer the mistake changes.
     changed_refusals: usize,
-    /// Number of legal files for which the decoder returned an image, but which a decoder with the mistake would refuse.
+    /// Number of legal files for which the decoder returned an image, although it would refuse them if it made the mistake.
     refused: usize,
 }
 

@@ -32,7 +32,7 @@ static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
         .collect()
 });
 
-/// Adds to the search mistakes that, together with `set`, explain some of the failures in `left`.
+/// Extends the search with mistakes that, together with `set`, explain some of the failures in `left`.
 pub(super) fn add_candidates(search: &mut Search, set: &MistakeSet, left: &[usize]) {
     let mut probes = select_probes(search, left);
     for group in &mut probes {

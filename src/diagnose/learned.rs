@@ -41,7 +41,7 @@ pub fn learn_tables(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<&'
     tables.into_iter().flatten().map(misreading).collect()
 }
 
-/// Learns the table that explains every value of these images, if each value is a function of the correct value.
+/// Learns the table that explains every value in these images, if each value is a function of the correct value.
 fn learn_table(
     search: &Search,
     set: &MistakeSet,

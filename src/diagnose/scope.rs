@@ -13,7 +13,7 @@ pub(super) enum FileScope {
     Formats(Vec<Format>),
     /// Files with the property at this index. The string contains the clause and text of the property, separated by a space.
     Property(usize, &'static str),
-    /// Files whose `quantity` (an index) is at least or at most `bound`. The nearest value of any other file is `other_bound`.
+    /// Files whose `quantity` (an index) is at least or at most `bound`. The nearest value in any other file is `other_bound`.
     Beyond {
         quantity: usize,
         /// Clause about the quantity, and the text that describes the quantity.
@@ -91,7 +91,7 @@ impl FileScope {
     }
 }
 
-/// A scope, and the files of a group that it contains.
+/// A scope, and those files of a group that are in the scope.
 pub(super) struct SharedScope {
     pub scope: FileScope,
     pub cases: Vec<usize>,

@@ -49,7 +49,7 @@ pub(super) struct Search<'a> {
     work: &'a AtomicUsize,
     /// Number of answers computed so far.
     answer_count: AtomicUsize,
-    /// Cases that the decoder passes, the smallest first.
+    /// Cases that the decoder passes, smallest first.
     pub passing: Vec<usize>,
     /// Messages of panics, without duplicates.
     faults: Mutex<Vec<String>>,
@@ -308,7 +308,7 @@ impl<'a> Search<'a> {
         answers.swap_remove(best)
     }
 
-    /// Returns all possible answers of a decoder with these mistakes. Tries mistakes that change the same decision separately.
+    /// Returns all possible answers of a decoder with these mistakes. Tries conflicting mistakes one at a time.
     fn possible_answers(&self, w: usize, set: &[MistakeId]) -> Vec<Cow<'_, Answer>> {
         self.answers_of_variants(w, &self.visible_mistakes(w, set))
     }
@@ -557,7 +557,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns the best mistake to add to `set`, of those that explain a case in `tried`. Removes the finalists from `all`.
+    /// Returns the best mistake to add to `set` among those that explain a case in `tried`. Removes the finalists from `all`.
     fn pick_best(&self, set: &MistakeSet, all: &mut MistakeSet, tried: &[usize]) -> Option<Member> {
         let score: Vec<i64> = tried.iter().map(|&w| self.set_score(w, set)).collect();
         let gains = self.par_map(all, |&id| {
@@ -652,7 +652,7 @@ impl<'a> Search<'a> {
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
 
-    /// Returns the total score of a mistake with this `gain` on the unexplained cases, or `None` below `min_score`.
+    /// Returns the total score of a mistake with this `gain` on the unexplained cases, or `None` if it is below `min_score`.
     fn total_score(
         &self,
         set: &MistakeSet,

@@ -43,7 +43,7 @@ pub(super) const MAX_TRIED_SAMPLES: usize = 1 << 20;
 pub(super) const MAX_EDIT_PASSES: usize = 2;
 /// Maximum number of failing files per format and view on which every edit is tried.
 pub(super) const MAX_PROBES: usize = 2;
-/// Minimum width and height, in texels, of an image that distinguishes mistakes with rows, columns and texels.
+/// Minimum width and height, in texels, of an image that distinguishes mistakes about rows, columns and texels from each other.
 pub(super) const MIN_PROBE_SIZE: u32 = 3;
 /// Maximum number of edits that are compared with every case.
 pub(super) const MAX_EDITS: usize = 24;
@@ -84,7 +84,7 @@ pub(super) fn is_most(part: usize, whole: usize) -> bool {
     part * 2 > whole
 }
 
-/// Returns true if the part is positive and at least the share [`NEARLY_ALL_RATIO`].
+/// Returns true if the part is positive and its share is at least [`NEARLY_ALL_RATIO`].
 pub(super) fn is_nearly_all(part: usize, whole: usize) -> bool {
     let [numerator, denominator] = NEARLY_ALL_RATIO;
     part > 0 && part * denominator >= whole * numerator

@@ -3,7 +3,7 @@
 use super::expression::{Expression, parse};
 use super::formulas::Formula;
 
-/// A formula, and the replacement that a decoder computes.
+/// A formula, and what a decoder computes instead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edit {
     /// Formula that is edited.

@@ -147,7 +147,7 @@ impl Expression {
         }
     }
 
-    /// Returns the expression after replacing the child with index `index`.
+    /// Returns a copy of the expression in which the child at `index` is replaced.
     #[must_use]
     pub fn with_child(&self, index: usize, child: Expression) -> Expression {
         let mut changed = self.clone();

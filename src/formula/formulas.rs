@@ -219,7 +219,7 @@ static STATED_FORMULAS: LazyLock<Vec<StatedFormula>> = LazyLock::new(|| {
     read(text).unwrap_or_else(|error| unreachable!("invalid embedded formulas.yaml: {error}"))
 });
 
-/// Parses the formulas. Leaks their texts, because references to them must be `'static`.
+/// Parses the formulas. Leaks their text, because references to it must be `'static`.
 fn read(text: &str) -> Result<Vec<StatedFormula>, String> {
     let records = yaml::records::<FormulaRecord>(text)?;
     let all = Formula::ALL.iter().map(|row| row.1);

@@ -24,7 +24,7 @@ pub(super) const MAX_WITNESSES: usize = 200;
 const MAX_GENERATED_FILES: u64 = 3000;
 const MAX_REQUESTED_FILES: usize = 24;
 
-/// A decoder with known properties.
+/// The decoder under test, and what is known about it.
 pub struct KnownDecoder<'a> {
     /// Function that sends a request to the decoder.
     pub ask: &'a DecoderFn<'a>,

@@ -28,7 +28,7 @@ use crate::suite::{choices::CHOICES, compare::Expected};
 
 /// Maximum number of texels in a generated file. Small files let a fuzz target run thousands of them per second.
 const MAX_TEXELS: u32 = 3000;
-/// Maximum size in bytes of the planes of an arbitrary file.
+/// Maximum size, in bytes, of the planes in an arbitrary file.
 const MAX_MEMORY: usize = 1 << 24;
 
 /// Checks that decoding any bytes, with several readings of open questions, returns planes or an error with a section and
@@ -324,7 +324,7 @@ pub fn diagnosis(bytes: &[u8]) {
     }
 }
 
-/// Interval between the sampled cases, which are used in addition to the first cases if their files are small.
+/// Interval between the cases that are used in addition to the first ones. Cases with large files are skipped.
 const CASE_STRIDE: usize = 40;
 const MAX_BYTES: usize = 2000;
 

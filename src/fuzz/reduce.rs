@@ -35,7 +35,7 @@ struct WriterInput {
     model: Model,
 }
 
-/// Simplifications of a plane of a compressed file.
+/// Simplifications of a plane in a compressed file.
 const PLANE_SIMPLIFICATIONS: [fn(&mut WriterInput, usize); 7] = [
     |parts, plane| parts.compressed().planes[plane].records.clear(),
     |parts, plane| {

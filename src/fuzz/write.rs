@@ -11,7 +11,7 @@ use crate::suite::address::slug;
 use crate::suite::cases::{Built, TableSpelling};
 use crate::suite::compare::Expected;
 
-/// Maximum number of displayed bytes of a field.
+/// Maximum number of bytes that are displayed for a field.
 const MAX_BYTES: usize = 24;
 
 /// Writes `NAME.yaml` (the case), `NAME.ptm`, `NAME.expected` and `NAME.received` (frames, if there are any), and `NAME.txt`

@@ -25,7 +25,7 @@ pub struct Damage {
     pub name: String,
     /// Clause that the damaged file violates or goes beyond.
     pub clause: String,
-    /// The resulting fault of the file, as a sentence without a period.
+    /// The resulting fault in the file, as a sentence without a period.
     pub effect: String,
     /// Restrictions on the files that the damage applies to.
     needs: Needs,
@@ -34,7 +34,7 @@ pub struct Damage {
     fill: BTreeMap<DamagePlace, String>,
     flip: BTreeMap<DamagePlace, String>,
     insert: BTreeMap<DamagePlace, String>,
-    /// Number of bytes to remove from the beginning of each place, or from its end if negative.
+    /// Number of bytes to remove from the beginning of each place, or from its end if the number is negative.
     cut: BTreeMap<DamagePlace, isize>,
     /// Amounts to add to numbers. An amount may need 65 bits.
     add: BTreeMap<DamagePlace, String>,
@@ -43,7 +43,7 @@ pub struct Damage {
     remove_line: Option<DamagePlace>,
     /// The place at which the file is cut off.
     end: Option<DamagePlace>,
-    /// Bytes of the header and their replacements.
+    /// Bytes in the header and their replacements.
     header: BTreeMap<String, String>,
     index: BTreeMap<TexelPlace, Index>,
     /// True if the sizes of streams and side information are adjusted to the edited planes.
@@ -147,7 +147,7 @@ impl Damage {
         Ok(splices)
     }
 
-    /// Returns the edits that replace bytes of the header, at every occurrence.
+    /// Returns the edits that replace bytes in the header, at every occurrence.
     fn header_edits(&self, file: &NamedPlaces) -> Vec<Splice> {
         let header = file.text(&(0..file.written.payload));
         let replacements = |(old, new): (&String, &String)| -> Vec<Splice> {

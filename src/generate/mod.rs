@@ -68,7 +68,7 @@ pub mod damage;
 #[cfg(feature = "harness")]
 mod place;
 
-/// Streams with wrong properties that replace streams of a file.
+/// Streams with wrong properties that replace streams in a file.
 #[cfg(feature = "harness")]
 mod stand_in;
 

@@ -138,13 +138,13 @@ impl Model {
         }
     }
 
-    /// Returns the number of entries of the table.
+    /// Returns the number of entries in the table.
     #[must_use]
     pub fn entries(&self) -> usize {
         self.table.len() / self.format.entry_size()
     }
 
-    /// Returns `height * width * channels` final values: (raw − bias) · scale for coefficients, and the byte for other channels.
+    /// Returns `height * width * channels` final values: (raw − bias) · scale for coefficients, and bytes for other channels.
     #[must_use]
     pub fn coefficients(&self) -> Vec<f64> {
         self.final_values(&self.samples, |raw, i| (raw - self.bias[i]) * self.scale[i])

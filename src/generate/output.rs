@@ -71,7 +71,7 @@ impl<'a> Output<'a> {
         self.bytes.push(b'\n');
     }
 
-    /// Writes a line end in the middle of a section, or a gap, depending on the spelling.
+    /// Writes a line end if `two_lines` is true, or else a gap.
     pub fn line_end_or_gap(&mut self, two_lines: bool, line: Line) {
         if two_lines {
             self.line_end(line);

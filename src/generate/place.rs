@@ -179,7 +179,7 @@ impl Selector {
     }
 }
 
-/// A range of a file, and the index of its field among all fields.
+/// A range of bytes in a file, and the index of its field among all fields.
 #[derive(Clone, Debug)]
 pub(super) struct Spot {
     pub field: usize,

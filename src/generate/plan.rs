@@ -135,7 +135,7 @@ impl FromStr for Records {
     }
 }
 
-/// The references of planes and their order of decoding.
+/// The references of the planes, and the order in which the planes are decoded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]
@@ -320,27 +320,27 @@ impl Compression {
         planes.map(|plane| (plane, self.transforms[plane], self.vector(plane)))
     }
 
-    /// Returns true if a plane is predicted from another.
+    /// Returns true if any plane is predicted from another.
     #[must_use]
     pub fn predicts(&self) -> bool {
         self.predicted().next().is_some()
     }
 
-    /// Returns true if a reference is inverted.
+    /// Returns true if any reference is inverted.
     #[must_use]
     pub fn inverts(&self) -> bool {
         let mut planes = self.predicted();
         planes.any(|(_, transform, _)| transform & INVERSION != 0)
     }
 
-    /// Returns true if a reference is displaced.
+    /// Returns true if any reference is displaced.
     #[must_use]
     pub fn displaces(&self) -> bool {
         self.predicted()
             .any(|(_, transform, _)| transform & MOTION != 0)
     }
 
-    /// Returns the open choices that may affect a file with these lists. Some of them may have no effect.
+    /// Returns the open choices that may affect a file with these lists. Some of these choices may have no effect.
     #[must_use]
     pub fn axes(&self) -> Vec<&'static str> {
         let is_moved = |&(_, transform, vector): &_| transform & MOTION != 0 && vector != (0, 0);

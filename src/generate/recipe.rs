@@ -69,7 +69,7 @@ pub struct Recipe {
     pub bias: Numbers<6>,
     /// The color matrix (2.6), in file order.
     pub matrix: Numbers<16>,
-    /// Number of entries of the lookup table (2.5).
+    /// Number of entries in the lookup table (2.5).
     pub entries: u32,
     /// The table entries that texels use.
     pub indices: Indices,

@@ -1,4 +1,4 @@
-//! Streams that replace those of a file but have wrong properties: gray planes with a wrong size, codec or number of components.
+//! Streams that replace those in a file but have wrong properties: gray planes with a wrong size, codec or number of components.
 //! They require an encoder, so `spec-cases/damages.yaml` contains only their names.
 
 use serde::Deserialize;

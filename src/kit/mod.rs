@@ -6,8 +6,8 @@ pub(crate) mod last_message;
 pub mod parallel;
 pub mod yaml;
 
-/// Expands to the names and texts of files in a folder of the repository. The files are embedded in the program, so that an
-/// installed program needs no checkout.
+/// Expands to the names and contents of the files in a folder of the repository. The files are embedded in the program, so that
+/// an installed program needs no checkout.
 macro_rules! embedded {
     ($folder:literal, $($name:literal),* $(,)?) => {
         &[$((

@@ -64,7 +64,7 @@ pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     T::deserialize(&parse(text)?).map_err(|error| error.to_string())
 }
 
-/// Parses embedded files, given as names and texts.
+/// Parses embedded files, given as names and contents.
 ///
 /// # Errors
 /// Returns a message that names the file and the offending line.
@@ -141,7 +141,7 @@ impl de::Error for YamlError {
 /// Error message for an anchor or an alias.
 const NO_ANCHORS: &str = "anchors and aliases are not supported";
 
-/// Parses a text into a tree.
+/// Parses text into a tree.
 fn parse(text: &str) -> Result<Node, String> {
     let mut open: Vec<(Node, Option<Node>)> = Vec::new();
     let mut root: Option<Node> = None;

@@ -65,7 +65,7 @@ impl<'a> Anatomy<'a> {
         self.tokens().filter(|field| field.clause == clause).nth(n)
     }
 
-    /// Returns the texts of all header fields with these clauses.
+    /// Returns the text of each header field with one of these clauses.
     #[must_use]
     pub fn field_texts(&self, clauses: &[&str]) -> Vec<&'a str> {
         let selected = self
@@ -119,8 +119,8 @@ impl<'a> Anatomy<'a> {
         })
     }
 
-    /// Replaces the texts of header fields that have these clauses, or of all header fields for [`ANY`]. `spell` returns the new
-    /// text of a field, or `None` to keep it.
+    /// Replaces the text of each header field with one of these clauses, or of every header field for [`ANY`]. `spell` returns
+    /// the new text, or `None` to keep the old one.
     ///
     /// Fields after an error are unknown, so the replacement is repeated until the file no longer changes.
     pub(super) fn respell(

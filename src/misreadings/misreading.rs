@@ -61,7 +61,7 @@ impl fmt::Display for Sighting {
     }
 }
 
-/// A record of `misreadings.yaml`.
+/// A record in `misreadings.yaml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct MisreadingRecord {
@@ -78,8 +78,8 @@ struct MisreadingRecord {
     edits: BTreeMap<String, String>,
 }
 
-/// Joins each record of a YAML file with the step that it changes: the step for its slug, or the step that `step_from_edits`
-/// creates from its formula edits.
+/// Joins each record in a YAML file with the step that the mistake changes: the step for its slug, or the step that
+/// `step_from_edits` creates from its formula edits.
 ///
 /// The strings are leaked, because each catalog is created only once.
 ///

@@ -5,7 +5,7 @@
 //!
 //! A [`Misreading`] consists of data and a function. `spec-cases/misreadings.yaml` contains its slug, clause, effect and fix. The
 //! modules for the sections have one entry per slug, in the order of the YAML file, with the step ([`Hook`]) and the function.
-//! Every function is *total*: it returns on any bytes, including the output of other misreadings, and checks every index.
+//! Every function is *total*: it returns for any bytes, including the output of other misreadings, and checks every index.
 
 mod misreading;
 

@@ -1,6 +1,6 @@
 //! Writing mistakes that correspond to misreadings in the catalog.
 //!
-//! `spec-cases/writers/mistakes.yaml` contains their texts. A mistake has the same slug and clause as its misreading.
+//! The mistakes are described in `spec-cases/writers/mistakes.yaml`. A mistake has the same slug and clause as its misreading.
 
 use std::sync::LazyLock;
 
@@ -12,7 +12,7 @@ use crate::kit::yaml;
 /// A mistake of a writer, corresponding to a misreading.
 pub type WriterMistake = Misreading<&'static Misreading>;
 
-/// A record of `mistakes.yaml`.
+/// A record in `mistakes.yaml`.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WriterMistakeRecord {

@@ -12,7 +12,7 @@ use crate::ptm::Format;
 /// Maximum number of characters in a name or version.
 const MAX_NAME_LENGTH: usize = 100;
 
-/// Capabilities that a decoder declares. Each is `None` if the decoder does not declare it.
+/// Capabilities that a decoder declares. An optional value is `None` if the decoder does not declare it.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Capabilities {
     /// Name of the decoder.

@@ -141,7 +141,7 @@ fn check_quality(bytes: &[u8]) -> Result<(), String> {
     Ok(())
 }
 
-/// Returns the largest step of the quantization tables of a segment (T.81 B.2.4.1).
+/// Returns the largest step in the quantization tables of a segment (T.81 B.2.4.1).
 fn largest_step(mut tables: &[u8]) -> u16 {
     let mut largest = 0;
     while let [kind, rest @ ..] = tables {
@@ -159,7 +159,7 @@ fn largest_step(mut tables: &[u8]) -> u16 {
     largest
 }
 
-/// Rejects bytes after the image, whose samples end at `end`. For formats that declare a length, the decoder has checked the end.
+/// Rejects bytes after the image, whose samples end at `end`. The `image` crate checks formats that declare a length.
 fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String> {
     const IEND: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
     let end = match format {

@@ -1,4 +1,4 @@
-//! Predictions of the results of a reader for a file.
+//! Predictions of what a reader displays for a file.
 
 use serde::Serialize;
 
@@ -73,7 +73,7 @@ impl<'a> OpenedFile<'a> {
         }
     }
 
-    /// Predicts the result of a reader for this file.
+    /// Predicts the result of opening this file with a reader.
     #[must_use]
     pub fn predict(&self, profile: &ReaderProfile) -> ReaderPrediction {
         let ((result, fault), misreadings) = self.result(profile);

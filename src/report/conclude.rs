@@ -30,7 +30,7 @@ pub fn conclude<C: Reportable>(
     }))
 }
 
-/// Builds the report of a run without causes. The report includes the declared capabilities and the remarks in `others`, which
+/// Builds the report of a run, without causes. The report includes the declared capabilities and the remarks in `others`, which
 /// are not derived from answers.
 ///
 /// # Errors

@@ -58,7 +58,7 @@ pub struct Tool {
     pub name: String,
     /// Version of the program.
     pub version: String,
-    /// Digest of all files of the suite.
+    /// Digest of all files in the suite.
     pub corpus: String,
     /// Limits under which the decoder ran.
     pub limits: Vec<String>,
@@ -157,7 +157,7 @@ pub struct CaseResult {
 }
 
 impl LikelyCause {
-    /// Returns true if the cause implies a misread clause, which crashes and nondeterministic answers do not.
+    /// Returns true if the cause is a misread clause, as opposed to a crash or nondeterministic answers.
     #[must_use]
     pub fn blames_clause(&self) -> bool {
         !matches!(

@@ -23,8 +23,8 @@ const SOF1: u8 = 0xC1;
 /// Decodes a JPEG stream with one component and `width` × `height` samples. Returns the samples in row order from the top.
 ///
 /// # Errors
-/// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, or does not have this size
-/// and one component, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for the processes of T.81 other than sequential
+/// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard or differs in size or number
+/// of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for the processes of T.81 other than sequential
 /// Huffman coding with 8 bits.
 pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;

@@ -38,8 +38,8 @@ pub struct JpegOptions {
     /// A single quantization step for all coefficients, instead of the steps for the quality. A step over 255
     /// requires 16-bit tables and SOF1, like a quality below 24.
     pub step: Option<u16>,
-    /// Indices of the quantization, DC and AC tables, each at most 3. Huffman table indices over 1 require an extended frame. If
-    /// set, tables 0 and 1 and all others up to the index are defined, although only one is used. By default, all indices are 0.
+    /// Indices of the quantization, DC and AC tables, each at most 3 (default 0). Huffman table indices over 1 require an
+    /// extended frame. If set, each kind has tables 0 and 1 and all others up to its index, although only one is used.
     pub table_numbers: Option<[u8; 3]>,
     /// Writes all quantization tables in one segment, and all Huffman tables in another.
     pub tables_together: bool,

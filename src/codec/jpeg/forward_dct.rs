@@ -11,7 +11,7 @@
 //! ```
 //!
 //! Format notes
-//! - No decoder depends on this rounding, but it is needed to write the same bytes as libjpeg.
+//! - No decoder depends on how the results are rounded, but only this rounding gives the same bytes as libjpeg.
 
 use super::dct::{EXTRA_BITS, FRACTION_BITS, FixedPoint};
 

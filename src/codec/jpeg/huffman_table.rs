@@ -21,7 +21,7 @@
 /// A Huffman table, as stored in a stream.
 #[derive(Clone)]
 pub(super) struct HuffmanTable {
-    /// BITS: the numbers of codes of 1, 2, … 16 bits.
+    /// BITS: the number of codes of each length, 1 … 16 bits.
     pub counts: [u8; 16],
     /// HUFFVAL: the symbols, in the order of their codes.
     pub symbols: Vec<u8>,

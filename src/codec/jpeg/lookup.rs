@@ -19,7 +19,7 @@ use super::huffman_table::HuffmanTable;
 use crate::codec::bit_buffer::{BitBuffer, leading_bits};
 use crate::codec::stream_error::StreamResult;
 
-/// Number of bits in an index. Longer codes are rare, and two tables with ten bits still fit in the L1 cache.
+/// Number of bits in an index. Longer codes are rare, and two tables with ten-bit indices still fit in the L1 cache.
 const SHORT_BITS: u32 = 10;
 
 /// A Huffman table, with a lookup table that maps the next bits of a segment to the short codes.

@@ -1,8 +1,8 @@
 //! T.81 B.2.4: tables and miscellaneous segments
 //!
-//! Tables and miscellaneous segments are quantization tables (DQT), Huffman tables (DHT), the restart interval (DRI),
-//! comments and application data. Any number of them may precede each header and the end, in any order. A table is
-//! stored under an index, 0 … 3, until another table replaces it.
+//! Tables and miscellaneous segments are quantization tables (DQT), Huffman tables (DHT), the restart interval (DRI), comments
+//! and application data. Any number of them may precede each header and EOI, in any order. A table is stored under an index,
+//! 0 … 3, until another table replaces it.
 //!
 //! Worked example: a quantization table of ones, and a 16-bit table whose first step is 300.
 //!

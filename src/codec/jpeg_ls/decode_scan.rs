@@ -3,7 +3,7 @@
 //! Decodes every sample in order. The template selects one of two modes: regular mode codes one sample, and run mode
 //! codes any number of equal samples and the sample after them.
 //!
-//! Worked example: an image with a single sample, in the byte 70 (bits 0111 0000).
+//! Worked example: an image with a single sample, coded as the byte 70 (bits 0111 0000).
 //!
 //! ```text
 //!        a, b, c and d are 0: all gradients are flat, so run mode is used

@@ -24,8 +24,8 @@ const LSE: u8 = 0xF8;
 /// Decodes a JPEG-LS stream with one component and `width` × `height` samples. Returns the samples in row order from the top.
 ///
 /// # Errors
-/// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard, or does not have this size
-/// and one component, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for other precisions, mapping tables, point
+/// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard or differs in size or number
+/// of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for other precisions, mapping tables, point
 /// transforms, oversize images and restart intervals.
 pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;

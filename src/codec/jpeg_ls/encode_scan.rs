@@ -3,7 +3,7 @@
 //! This is the mirror image of `decode_scan`. The neighbors are decoded samples, which may differ from the image if NEAR is
 //! not 0. An encoder that predicts from the original image drifts away from the decoder.
 //!
-//! Worked example: a line of seven zeros and a one, in the bytes FB 40.
+//! Worked example: a line of seven zeros and a one, coded as the bytes FB 40.
 //!
 //! ```text
 //! 1 1 1 1 1    run mode: four segments of one sample, one of two

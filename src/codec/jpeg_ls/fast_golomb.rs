@@ -1,7 +1,7 @@
 //! Fast decoding of Golomb codes by counting zeros
 //!
-//! The zeros of a code are counted with one instruction, and both parts are skipped at once. Limited codes are rare
-//! and delegated to the plain version.
+//! The leading zeros of a code are counted with one instruction, and the whole code is skipped at once. Limited codes are rare
+//! and are delegated to the plain version.
 //!
 //! ```text
 //! window   0001 0111 …     k = 2: three zeros, then 01: 3 · 4 + 1 = 13, six bits

@@ -49,7 +49,7 @@ pub(super) struct Parameters {
     pub range: i32,
     /// Number of bits that represent an error in plain binary.
     pub qbpp: u32,
-    /// LIMIT, the length of the longest code in bits.
+    /// LIMIT, the length in bits of the longest code.
     pub limit: u32,
 }
 

@@ -252,7 +252,7 @@ struct CauseGroup {
     clause: Option<&'static str>,
 }
 
-/// Removes from `open`, for each entry of `formats`, the files with a property that most `open` files and no `known` file have.
+/// For each of `formats`, moves from `open` to the result the files with a property that most `open` and no `known` files have.
 fn take_scopes(
     search: &Search,
     known: &[usize],
@@ -512,7 +512,7 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     }
 }
 
-/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may explain the crash.
+/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may explain its crash.
 pub(in crate::diagnose) fn reduces_wrong_samples(
     search: &Search,
     w: usize,
@@ -560,7 +560,7 @@ pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], indices: &[usize
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// Describes the first wrong sample of a file: its received and expected values, the arithmetic, and the bytes that determine it.
+/// Describes the first wrong sample in a file: its received and expected values, the arithmetic, and the bytes that determine it.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
     example_with_mistakes(search, &[], w)
 }

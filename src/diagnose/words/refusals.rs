@@ -29,7 +29,7 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
             open.retain(|w| !shared.cases.contains(w));
             left.retain(|w| !shared.cases.contains(w));
             let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, one));
-            let refusal = refusal_text(witnesses, &shared.cases, &mode, effect);
+            let refusal = mode_diagnosis(witnesses, &shared.cases, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.with_clause(clause),
                 None => refusal,
@@ -40,7 +40,7 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
 }
 
 /// Returns the diagnosis for files that fail in the same way.
-fn refusal_text(
+fn mode_diagnosis(
     witnesses: &[Witness],
     indices: &[usize],
     mode: &FailureMode,
@@ -167,11 +167,11 @@ pub(in crate::diagnose) fn describe_observation(
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
     let shared = shared_scope(witnesses, indices, &others, false)?;
     let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, None));
-    (shared.cases.len() == indices.len()).then(|| refusal_text(witnesses, indices, &mode, effect))
+    (shared.cases.len() == indices.len()).then(|| mode_diagnosis(witnesses, indices, &mode, effect))
 }
 
-/// Describes the failures on the legal files in `indices` if few of the responses are images, so that little evidence supports
-/// the misreading. Returns `None` if the misreading itself predicts the refusals.
+/// Describes the failures on the legal files in `indices` if the misreading has little evidence because few of the responses are
+/// images. Returns `None` if the misreading itself predicts the refusals.
 pub(in crate::diagnose) fn describe_non_images(
     witnesses: &[Witness],
     indices: &[usize],
@@ -191,7 +191,7 @@ pub(in crate::diagnose) fn describe_non_images(
     }
     let mode = modes.first()?;
     let effect = outcomes_text(witnesses, &indices, &modes);
-    let refusal = refusal_text(witnesses, &indices, mode, effect);
+    let refusal = mode_diagnosis(witnesses, &indices, mode, effect);
     Some(refusal.with_clause(misreading.clause).cause)
 }
 

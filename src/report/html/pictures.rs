@@ -33,7 +33,7 @@ struct ImageComparison<'a> {
     spans: Vec<(f64, f64)>,
 }
 
-/// Renders the images of a frame that first differs from the expected one at `position`, or `None` if their shapes differ.
+/// Renders the images of a frame that first differs from the expected one at `position`. Returns `None` if the shapes differ.
 pub(super) fn figure(expected: &Expected, frame: &Frame, position: Position) -> Option<Markup> {
     let (width, height, channels) = (frame.width, frame.height, frame.channels as usize);
     let received = frame.samples.to_reals();
