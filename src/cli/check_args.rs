@@ -118,8 +118,8 @@ impl CheckArgs {
         Some(format!("ptm-conform check {}", quote_command(&words)))
     }
 
-    /// Returns one flag per case: true if the case is in the subset and matches the patterns, the clauses and the shard. Returns
-    /// an error if no case is selected.
+    /// Returns one flag per case: true if the case is in the subset, matches the patterns and the clauses, and belongs to the
+    /// shard. Returns an error if no case is selected.
     pub fn select_cases<C: TestCase>(
         &self,
         suite: &Suite<C>,

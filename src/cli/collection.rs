@@ -20,7 +20,7 @@ use ptm_conform::tools::dissection::Dissection;
 const NAMES_PER_READ: usize = 4096;
 /// Maximum length of a line in a list, in bytes.
 const MAX_PATH_BYTES: u64 = 1 << 16;
-/// Number of bytes at the start of a PTM that always include the version, format, width and height.
+/// Number of bytes that suffice for the version, format, width and height at the start of a PTM.
 const SIZE_HEADER_BYTES: usize = 256;
 /// Number of header lines up to and including the height.
 const SIZE_HEADER_LINES: usize = 4;

@@ -26,7 +26,7 @@ pub struct CoverageArgs {
     jobs: Option<usize>,
 }
 
-/// Runs the suite against every misreading and prints which cases catch each one.
+/// Runs the suite against every misreading and prints the coverage of the suite.
 pub fn run(args: &CoverageArgs) -> CommandResult {
     let suite = Suite::load()?.with_prepared_files();
     let jobs = jobs(args.jobs)?;

@@ -53,7 +53,7 @@ pub fn run(args: &ExplainArgs) -> CommandResult {
     Ok(0)
 }
 
-/// Describes the request of `check-writer` with this id. Returns an empty string if there is none.
+/// Describes the `check-writer` request with this id. Returns an empty string if there is none.
 #[cfg(unix)]
 fn explain_request(id: &str) -> Result<String, String> {
     let suite = Suite::load_writer_requests()?;

@@ -54,7 +54,7 @@ impl Drop for ScratchGuard {
     }
 }
 
-/// Interval at which the watcher looks for orphaned processes.
+/// Interval at which the watcher lists the descendants of the run.
 const POLL_INTERVAL: Timespec = Timespec {
     tv_sec: 0,
     tv_nsec: 100_000_000,

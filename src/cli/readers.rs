@@ -44,7 +44,7 @@ pub fn select_profiles<'a>(
     Ok(found)
 }
 
-/// Predicts what each reader displays for a file, and suggests a fix if the result is wrong.
+/// Predicts what each reader displays for a file. Suggests a fix for each reader that does not display the correct image.
 pub fn predict_readers(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPrediction> {
     if readers.is_empty() {
         return Vec::new();

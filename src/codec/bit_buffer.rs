@@ -73,8 +73,8 @@ impl<const AFTER_FF: u32> BitBuffer<'_, AFTER_FF> {
         }
     }
 
-    /// Returns the next bits, left-aligned, with zeros after the end. Only the number of bits that was passed to `require` is
-    /// guaranteed to be present.
+    /// Returns the next bits, left-aligned, with zeros after the end. Only the bits requested with `require` are guaranteed to be
+    /// present.
     #[inline]
     pub fn peek_window(&self) -> u64 {
         self.window

@@ -121,8 +121,8 @@ pub(super) use tests::transcript;
 mod tests {
     use super::{Bits, ReadBits, StreamResult};
 
-    /// Reads until an error occurs or `read` returns `None`, and then finishes the segment. Returns all results, which must be
-    /// the same for every implementation of [`ReadBits`].
+    /// Reads until an error occurs, or until `read` returns `None` and the segment is finished. Returns all results, which must
+    /// be the same for every implementation of [`ReadBits`].
     pub fn transcript<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>, T: std::fmt::Debug>(
         stream: &'a [u8],
         mut read: impl FnMut(&mut B) -> Option<StreamResult<T>>,

@@ -64,7 +64,7 @@ impl Writer {
         self.write_segment(SOS, &[1, 1, tables, first, second, third]);
     }
 
-    /// Finishes the stream with already encoded bytes.
+    /// Appends `data`, which is already encoded and ends with EOI, and returns the stream.
     pub fn finish_with(mut self, data: &[u8]) -> Vec<u8> {
         self.stream.extend(data);
         self.stream

@@ -116,7 +116,7 @@ impl<'a> Coded<'a> {
         }
     }
 
-    /// Returns one plane of zeros for each plane of the file.
+    /// Returns one plane of zeros for each plane in the file.
     pub(crate) fn blank_planes(&self) -> Vec<Vec<u8>> {
         let blank = |_| vec![0; self.size.texels()];
         self.plan.steps.iter().map(blank).collect()

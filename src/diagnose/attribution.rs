@@ -293,7 +293,7 @@ fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
         && FailureMode::new(witness).is_none()
 }
 
-/// Adds to the diagnosis of each mistake the failures that it partially explains, and removes them from `left`.
+/// Extends each diagnosis with the failures that its mistake partially explains. Removes these failures from `left`.
 pub(super) fn attribute_partially(
     search: &Search,
     found: &[Member],

@@ -57,7 +57,7 @@ pub enum Cause<A: 'static = Hook> {
         /// Other misreadings that also affect these cases.
         accompanying: Vec<&'static Misreading<A>>,
     },
-    /// A difference that no misreading in the catalog produces.
+    /// A description of the failures, if no misreading is named.
     Described {
         /// Category of the failures.
         category: Category,

@@ -48,7 +48,7 @@ pub(super) fn add_candidates(search: &mut Search, set: &MistakeSet, left: &[usiz
     add_scoped_misreadings(search, set, left);
 }
 
-/// Returns small failing images, several of each format and view. Prefers sizes that distinguish rows from columns.
+/// Returns a few small failing images for each format and view. Prefers sizes that distinguish rows from columns.
 fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     let mut kinds: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     for w in search.comparable_images(left) {
@@ -70,7 +70,8 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     probes
 }
 
-/// Returns the edits that exactly reproduce all channels, or all wrong channels, of a probe, sorted by the number of such probes.
+/// Returns the edits that exactly reproduce all channels, or all wrong channels, of a probe. Edits that reproduce more probes
+/// come first.
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let used: Vec<Formula> = set
         .iter()

@@ -1,8 +1,8 @@
 //! Finds the causes of failures.
 //!
-//! 1. `search` finds the smallest set of mistakes that reproduces the decoder's responses. Its candidates are the
-//!    misreadings in the catalog. If these explain too few failures, `edits` and `learned` add candidates: edits of one
-//!    formula, and tables that are inferred from the images.
+//! 1. `search` finds a small set of mistakes that reproduces the decoder's responses. Its candidates are the misreadings in the
+//! catalog. If these explain too few failures, `edits` and `learned` add candidates: edits of one formula, and tables that are
+//! inferred from the images.
 //! 2. `coincidences` removes mistakes that match a few responses by chance.
 //! 3. `attribution` lists each failing case under the mistake that explains it.
 //! 4. `words` describes the remaining failures: refusals by a property that the refused files share, acceptances by

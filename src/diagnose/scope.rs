@@ -163,7 +163,7 @@ pub(super) fn shared_scope(
     })
 }
 
-/// Returns scopes for thresholds that separate all files of `group` from all `others`.
+/// Returns scopes for thresholds that separate all files in `group` from all files in `others`.
 fn thresholds(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<FileScope> {
     let mut found = Vec::new();
     let quantities = witnesses
@@ -203,7 +203,7 @@ fn thresholds(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<F
     found
 }
 
-/// Returns the scope that contains the `explained` files and none of the `refuting` files: a set of formats, or a property.
+/// Returns a scope (formats, a property or a threshold) that contains the `explained` files and none of the `refuting` files.
 pub(super) fn separating_scope(
     witnesses: &[Witness],
     explained: &[usize],

@@ -1,4 +1,4 @@
-//! Searches for the smallest set of mistakes that reproduces the decoder's responses.
+//! Searches for a small set of mistakes that reproduces the decoder's responses.
 //!
 //! The set grows by one mistake at a time: the one that explains the most remaining failures with the fewest contradictions. If
 //! no single mistake explains more failures, the set grows by a pair. Finally, redundant mistakes are dropped.
@@ -413,8 +413,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Adds variants in which two mistakes whose order matters are swapped. For example, a mistake that drops bytes at the start
-    /// of a payload changes what another mistake finds at the end.
+    /// Adds the reverse of each variant in which the order of two mistakes matters. For example, a mistake that drops bytes at
+    /// the start of a payload changes what another mistake finds at the end.
     fn add_other_order(&self, variants: &mut Vec<MistakeSet>) {
         for i in 0..variants.len() {
             let variant = &variants[i];
@@ -763,7 +763,7 @@ impl<'a> Search<'a> {
         Some(pair.map(member).into())
     }
 
-    /// Removes redundant mistakes: without them, the set explains just as many failures, on small maps as well as large ones.
+    /// Removes mistakes that improve the total score of neither the small nor the large maps by at least [`CRASH_SCORE`].
     fn drop_redundant(&self, members: &mut Vec<Member>) {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));

@@ -16,7 +16,7 @@ use crate::suite::texture::cases::TextureCase;
 use crate::suite::texture::{choices::CHOICES, compare::difference};
 use crate::texture::Rules;
 
-/// Returns the smallest set of misreadings that explains the failures of `run`, the misreading with the most failures first.
+/// Returns a small set of misreadings that explains the failures of `run`, the misreading with the most failures first.
 #[must_use]
 pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagnosis<Change>> {
     let mut failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();

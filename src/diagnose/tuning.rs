@@ -33,7 +33,7 @@ pub(super) const MAX_PAIRS: usize = 3;
 pub const MAX_WORK: usize = 400_000;
 /// Maximum units of work for finding two mistakes that mask each other.
 pub(super) const MAX_PAIR_WORK: usize = 8_000;
-/// Maximum number of failing cases on which a mistake is tried if it explains no case in the sample.
+/// Maximum number of failing cases on which every mistake is tried if no mistake explains enough of the sample.
 pub(super) const MAX_FALLBACK_CASES: usize = 160;
 /// Maximum total number of samples in the images on which every mistake is tried.
 pub(super) const MAX_TRIED_SAMPLES: usize = 1 << 20;

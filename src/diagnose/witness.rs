@@ -43,7 +43,7 @@ pub(super) struct Witness<'a> {
     /// Fields of the file, up to the first error.
     fields: OnceLock<Vec<Field>>,
     pub facts: OnceLock<Facts>,
-    /// The map that the reference decodes from the file.
+    /// The map decoded from the file under `reading`.
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
 
@@ -200,7 +200,7 @@ impl Witness<'_> {
         matches!(self.observation.view, View::Rgb(_))
     }
 
-    /// Returns the map that the reference decodes from the file.
+    /// Returns the map decoded from the file under `reading`.
     pub fn decoded(&self) -> &crate::error::Result<Ptm> {
         self.decoded
             .get_or_init(|| decode_as(&self.built.file, &self.reading, &Limits::default()))
@@ -426,7 +426,7 @@ pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     }
 }
 
-/// Returns true if a decoder can make both mistakes, because they affect different steps or different decisions.
+/// Returns true if a decoder can make both mistakes, that is, if they affect different steps or different decisions.
 #[must_use]
 pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
     !a.step.changes_same_step(&b.step)

@@ -130,7 +130,7 @@ impl Expression {
         }
     }
 
-    /// Returns the direct subexpressions, in the order of [`with_child`](Self::with_child).
+    /// Returns the direct subexpressions, indexed as in [`with_child`](Self::with_child).
     #[must_use]
     pub fn children(&self) -> Vec<&Expression> {
         match self {

@@ -162,7 +162,7 @@ impl Formula {
         }
     }
 
-    /// Returns true if an edit of the formula may address bytes outside the data, so that the decoder refuses the file.
+    /// Returns true if an edit of the formula may address bytes outside the data, in which case the decoder refuses the file.
     #[must_use]
     pub fn may_refuse(self) -> bool {
         let addresses = [

@@ -103,7 +103,7 @@ impl Damage {
     pub fn apply(&self, written: &GeneratedFile, model: &Model) -> Result<Vec<u8>, String> {
         self.needs.check(model)?;
         let file = NamedPlaces { written, model };
-        let mut splices = self.insertions(&file)?;
+        let mut splices = self.content_edits(&file)?;
         splices.extend(self.header_edits(&file));
         splices.extend(self.removals(&file)?);
         for (place, number) in &self.add {
@@ -118,8 +118,8 @@ impl Damage {
         apply_splices(&written.bytes, splices)
     }
 
-    /// Returns the edits that insert bytes.
-    fn insertions(&self, file: &NamedPlaces) -> Result<Vec<Splice>, String> {
+    /// Returns the edits that write new bytes: replacements, insertions, overwrites, fills and flips.
+    fn content_edits(&self, file: &NamedPlaces) -> Result<Vec<Splice>, String> {
         let edits: [(
             &BTreeMap<DamagePlace, String>,
             fn(&[u8], Vec<u8>) -> ByteEdit,

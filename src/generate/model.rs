@@ -20,7 +20,7 @@ pub struct Model {
     pub samples: Vec<u8>,
     /// The concatenated entries of the table; empty without a table.
     pub table: Vec<u8>,
-    /// The entry of each texel, top row first; empty without a table.
+    /// The index of each texel's table entry, top row first; empty without a table.
     pub indices: Vec<u32>,
     /// The scales of the coefficients.
     pub scale: [f64; 6],

@@ -130,7 +130,7 @@ pub struct Spelling {
     pub gap: usize,
     /// The spelling of the number of table entries (ruling `lut-count`).
     pub count: Count,
-    /// True to write a line feed between table and indices (ruling `lut-newline`).
+    /// True to write a line feed between the table and the indices (ruling `lut-newline`).
     pub newline_after_table: bool,
     /// Number of matrix elements per line: 16, 4 or 1 (ruling `lum-layout`).
     pub matrix_line: usize,

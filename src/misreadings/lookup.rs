@@ -80,7 +80,7 @@ pub(super) const STEPS: Steps = |slug| {
 /// Maximum number of table entries that a mistake allocates. It far exceeds the number that two-byte indices can address.
 const MAX_ENTRIES: usize = 1 << 20;
 
-/// Returns the number of table entries and their size in bytes, if the file has a table.
+/// Returns the number of table entries and the size of an entry in bytes, if the file has a table.
 fn table_size(file: &Anatomy) -> Option<(usize, usize)> {
     let format: Format = file.field_texts(&["2.2/1"]).first()?.parse().ok()?;
     let mut counts = file.field_texts(&["2.5/2"]).into_iter();

@@ -9,8 +9,8 @@ use super::hook::Hook;
 use crate::formula::Edit;
 use crate::kit::yaml;
 
-/// A mistake: a record of `misreadings.yaml`, and the step that it changes. The PTM suite and the texture suite share the record
-/// type, but have different steps.
+/// A mistake: its record in `misreadings.yaml`, and the step that it changes. The PTM suite and the texture suite share the
+/// record type, but have different steps.
 #[derive(Clone, Debug)]
 pub struct Misreading<A = Hook> {
     /// Permanent name of the misreading.

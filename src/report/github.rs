@@ -14,7 +14,7 @@ const MAX_ANNOTATIONS: usize = 10;
 /// Maximum number of failures in the summary. GitHub limits a summary to one mebibyte.
 const MAX_LISTED_FAILURES: usize = 100;
 
-/// Returns workflow commands, one per line: an error for each likely mistake, then an error for each unexplained failure.
+/// Returns workflow commands, one per line: errors for problems with the whole run, likely mistakes and unexplained failures.
 #[must_use]
 pub fn annotations(report: &Report) -> String {
     let errors = errors(report);

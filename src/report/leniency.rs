@@ -22,7 +22,7 @@ pub struct Leniency {
     pub refused: usize,
     /// Number of files for which the decoder exited with status 69.
     pub unsupported: usize,
-    /// Number of files for which the decoder returned a different image or no image.
+    /// Number of files with any other result, such as a different image or a crash.
     pub other: usize,
 }
 

@@ -76,7 +76,7 @@ mod tests {
     use crate::codec::bit_buffer::BitBuffer;
     use crate::codec::bits::{Bits, transcript};
 
-    /// Reads symbols until an error occurs. Each symbol is followed by additional bits, whose number is in its low four bits.
+    /// Reads symbols until an error occurs. The low four bits of a symbol are the number of additional bits that follow it.
     fn symbols<'a, B: ReadSymbols<'a>>(stream: &'a [u8], table: &HuffmanTable) -> Vec<String> {
         let table = B::Table::from(table);
         transcript(stream, |bits: &mut B| {
@@ -85,7 +85,7 @@ mod tests {
         })
     }
 
-    /// Creates a legal table. Limits the counts so that the code of all ones stays unassigned.
+    /// Creates a legal table. Limits the `wanted` counts so that the code of all ones stays unassigned.
     fn table(wanted: &[u8], symbols: Vec<u8>) -> HuffmanTable {
         let mut counts = [0; 16];
         let (mut free, mut left) = (1_usize, symbols.len());

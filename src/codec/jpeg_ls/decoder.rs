@@ -44,7 +44,7 @@ pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
 /// Sample precisions that the standard allows but this decoder does not implement.
 const OTHER_PRECISIONS: [u8; 14] = [2, 3, 4, 5, 6, 7, 9, 10, 11, 12, 13, 14, 15, 16];
 
-/// Converts the scan header to parameters: mapping table, NEAR, interleave mode and point transform (C.2.3).
+/// Checks the scan header and combines its NEAR with the preset parameters (C.2.3).
 fn read_scan_parameters(presets: &StoredPresets, scan: &ScanHeader) -> StreamResult<Parameters> {
     let [near, interleave, transform] = scan.parameters;
     if scan.tables != 0 {

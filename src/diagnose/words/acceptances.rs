@@ -8,7 +8,7 @@ use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
 use crate::suite::cases::{Case, Expect};
 
-/// Describes acceptances by clause, and removes them from `left`.
+/// Describes acceptances, grouped by clause, and removes them from `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let accepted = |&w: &usize| {
         let witness = &witnesses[w];

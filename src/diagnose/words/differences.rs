@@ -39,7 +39,7 @@ enum Phase {
 }
 
 impl Phase {
-    /// Returns the last step that affects the values of a view.
+    /// Returns the last step that affects the values in a view.
     fn for_view(view: ViewKind) -> Phase {
         match view {
             ViewKind::Raw => Phase::StoredValue,

@@ -6,7 +6,7 @@ use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
-/// Describes violations on files that need not be decoded, by failure mode. Removes these files from `left`.
+/// Describes violations on files that need not be decoded, grouped by failure mode. Removes these files from `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let refusable = |w: usize| witnesses[w].case.expect != Expect::Decode;
     let violates = |w: &usize| {

@@ -16,7 +16,7 @@ pub(crate) struct ClauseTally {
     pub passed: usize,
     /// Number of cases that failed.
     pub failed: usize,
-    /// Number of cases that provide no evidence: unsupported, inconclusive, not judged or not run.
+    /// Number of cases with any other outcome, such as unsupported or inconclusive.
     pub open: usize,
 }
 
