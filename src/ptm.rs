@@ -266,7 +266,7 @@ pub enum Shape<Matrix = ColorMatrix> {
 }
 
 impl<Matrix> Shape<Matrix> {
-    /// Returns the number of channels of a texel.
+    /// Returns the number of channels in a texel.
     #[must_use]
     pub const fn channels(&self) -> usize {
         match self {

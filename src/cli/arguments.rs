@@ -20,7 +20,7 @@ pub fn parse_refusal(text: &str) -> Result<i32, String> {
     status.ok_or_else(|| format!("{expected} {EXIT_UNSUPPORTED}, found {text:?}"))
 }
 
-/// Parses a number of bytes with an optional suffix K, M or G.
+/// Parses a number of bytes, optionally followed by the suffix K, M or G.
 pub fn parse_size(text: &str) -> Result<u64, String> {
     let digits = text.trim_end_matches(['K', 'M', 'G']);
     let shift = match &text[digits.len()..] {

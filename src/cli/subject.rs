@@ -95,7 +95,7 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Selects the view that a template without `{view}` serves, and withholds cases whose refusal could not be recognized.
+    /// Selects the only view of a template without `{view}`. Withholds cases if a refusal could not be recognized.
     fn restrict_to(&mut self, text: &str, args: &CheckArgs, suite: &Suite) -> Result<(), String> {
         let template = Template::parse(text)?;
         if !template.has_view() {

@@ -139,7 +139,7 @@ mod tests {
     use super::super::bits::{Bits, ReadBits, transcript};
     use super::BitBuffer;
 
-    /// Reads numbers whose lengths in bits are `sizes`.
+    /// Reads numbers with these `sizes`, in bits.
     fn read_numbers<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>>(
         stream: &'a [u8],
         sizes: &[u32],

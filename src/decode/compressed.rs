@@ -6,7 +6,7 @@
 //!
 //! ```text
 //! 90                              the encoder's quality                                        §2.9.1
-//! 0 1 0 0 0 0 2 0 0               plane 1 inverts its reference, plane 6 displaces it          §2.9.2
+//! 0 1 0 0 0 0 2 0 0               plane 1 inverts its reference, plane 6 displaces its own     §2.9.2
 //! 0 0 0 0 0 0 3 0 0               by 3 half texels along x                                     §2.9.3
 //! 0 0 0 0 0 0 -2 0 0              and by −2 half texels, one texel, along y
 //! 1 2 0 0 0 0 1 0 0               decoded in the order 2 3 4 5 7 8, 0 6, 1                     §2.9.4
@@ -160,7 +160,7 @@ fn read_lists(plane_count: usize, input: &mut Input) -> Result<RawLists> {
     Ok(lists)
 }
 
-/// Reads one number of a list. Keeps its offset, because some errors are detected later, when the lists are compared.
+/// Reads one number in a list. Keeps its offset, because some errors are detected later, when the lists are compared.
 fn read_number(input: &mut Input, clause: &'static str, name: &'static str) -> Result<Number> {
     let at = input.at();
     Ok(Number {

@@ -107,7 +107,7 @@ pub enum Alternative {
     CrFirst,
     /// `lum-major`: the sixteen numbers are row-major, as the text prints the matrix.
     RowsFirst,
-    /// `lum-range`: values and translation range from 0 to 1.
+    /// `lum-range`: the values and the translation range from 0 to 1.
     UnitRange,
     /// `motion-sign`: a vector points from the predictor to the texel.
     MotionMinus,

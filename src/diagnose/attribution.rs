@@ -81,9 +81,9 @@ fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usiz
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
 }
 
-/// Returns true if most of the explained failures are images of legal files, but more than three times as many wrong images of
-/// the same formats and views remain unexplained. A more general mistake may explain all of these images. Images in later views
-/// do not count, because a mistake in a later step may explain them.
+/// Returns true if the explained failures are mostly images of legal files, but more than three times as many wrong images remain
+/// unexplained in the same formats and views. A more general mistake may explain all of these images. Images in later views do
+/// not count, because a mistake in a later step may explain them.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |w: &usize| witnesses[*w].observation.view.kind();
     let earliest = explained.iter().map(kind).min();
@@ -101,8 +101,8 @@ fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool 
     is_most(images, explained.len()) && !is_substantial(images, images + open)
 }
 
-/// Describes whole formats that fail in the same way, and drops mistakes that explain only these failures. Returns
-/// `None` if one of the mistakes also explains other failures.
+/// Describes the formats in `whole`, whose legal files all fail in the same way. Drops mistakes that explain only these failures.
+/// Returns `None` if one of the mistakes also explains other failures.
 fn diagnose_whole_formats(
     search: &Search,
     whole: &WholeFormats,

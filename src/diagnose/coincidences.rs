@@ -23,13 +23,13 @@ struct FailureEvidence {
     crashes: usize,
     /// Malformed files that the decoder accepts, as the mistake predicts.
     accepted: Vec<usize>,
-    /// Number of legal files whose image the mistake changes, but not to the decoder's image.
+    /// Number of legal files for which the mistake changes the image, but not to the decoder's image.
     other_images: usize,
     /// Number of `other_images` that the mistake does not bring closer to the response.
     not_closer: usize,
     /// Number of legal files whose image the mistake changes.
     changed_images: usize,
-    /// Number of legal files that the decoder refuses or crashes on and whose answer the mistake changes.
+    /// Number of legal files that the decoder refuses or crashes on, and for which the mistake changes the answer.
     changed_refusals: usize,
     /// Number of legal files for which the decoder returned an image, although it would refuse them if it made the mistake.
     refused: usize,

@@ -70,8 +70,7 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     probes
 }
 
-/// Returns the edits that exactly reproduce all channels, or all wrong channels, of a probe. Edits that reproduce more probes
-/// come first.
+/// Returns the edits that reproduce all channels, or all wrong channels, of a probe exactly. Edits with more probes come first.
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let used: Vec<Formula> = set
         .iter()
@@ -184,7 +183,7 @@ fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
     }
 }
 
-/// Adds misreadings that passing cases contradict, each restricted to the files that it explains.
+/// Adds misreadings that passing cases contradict. Each is restricted to the files that it explains.
 fn add_scoped_misreadings(search: &mut Search, set: &MistakeSet, left: &[usize]) {
     let is_open = |&id: &MistakeId| {
         let mistake = &search.mistakes[id];

@@ -18,7 +18,7 @@ type CachedSamples = HashMap<Box<[u8]>, Box<[u8]>>;
 static DECODED_STREAMS: Mutex<Option<(usize, HashMap<(Coding, Size), CachedSamples>)>> =
     Mutex::new(None);
 
-/// Decodes a stream like the reference, but decodes each stream only once.
+/// Decodes a stream as the reference does, but decodes equal streams only once.
 pub(crate) fn decode_stream_cached(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (coding, size) = (stream.coding, stream.size);
     let lookup = |cache: &Option<(usize, HashMap<_, CachedSamples>)>| {

@@ -270,8 +270,8 @@ impl Witness<'_> {
         }
     }
 
-    /// Returns false if two similar images may agree only because of the tolerance for colors: all wrong colors are near 0 or 255
-    /// and many of them differ between the images, or all wrong colors in between differ by one in the same direction.
+    /// Returns false if two similar images may agree only because of the tolerance for colors. This is so if all wrong colors are
+    /// near 0 or 255 and many of them differ between the images, or if all others differ by one in the same direction.
     fn is_significant_match(&self, image: &Frame, actual: &Frame) -> bool {
         let Answer::Decoded(right) = &self.expected else {
             return true;

@@ -454,7 +454,7 @@ impl ExpressionParser<'_> {
     }
 }
 
-/// Returns the only element, or creates a node from all elements.
+/// Returns the element if there is only one, or else a node with all elements.
 pub(super) fn single_or_node(
     mut all: Vec<Expression>,
     node: fn(Vec<Expression>) -> Expression,

@@ -215,7 +215,7 @@ fn skip_payload_bytes(file: &Anatomy, skip: fn(u8) -> bool) -> EditedFile {
     file.with_payload(&file.payload()[skipped.count()..])
 }
 
-/// Rearranges an LRGB payload so that a correct decoder reads the values that a decoder expecting interleaved bytes would read.
+/// Converts an LRGB payload from interleaved texels to blocks, so that a correct decoder reads the payload as interleaved.
 fn deinterleave_payload(file: &Anatomy) -> EditedFile {
     if file.field_texts(&["2.2/1"]) != ["PTM_FORMAT_LRGB"] {
         return file.unchanged();

@@ -49,7 +49,7 @@ use RenderingControl::{PostLight, PreLight};
 
 const SPEC: Rules = Rules::SPEC;
 
-/// Function of each misreading, in the order of `spec-cases/texture/misreadings.yaml`.
+/// Maps the slug of a misreading to its function. The slugs are in the order of `spec-cases/texture/misreadings.yaml`.
 const CHANGES: fn(&str) -> Option<Change> = |slug| {
     Some(match slug {
         // ---------------------------------------------------------------- fallback values

@@ -501,7 +501,7 @@ pub enum Answer<T = Frame> {
     Crashed(String),
     /// The decoder did not answer before the timeout.
     Hung(String),
-    /// The decoder wrote more output than the largest possible frame of the file.
+    /// The decoder wrote more output than the largest possible frame for the file.
     Flooded(String),
     /// The decoder used more memory than allowed.
     OutOfMemory(String),
@@ -514,7 +514,7 @@ pub enum Answer<T = Frame> {
 }
 
 impl<T> Answer<T> {
-    /// Returns the decoded value, or any other answer as an answer of type `U`.
+    /// Returns the decoded value, or any other answer as an `Answer<U>`.
     ///
     /// # Errors
     /// Returns any answer other than [`Answer::Decoded`].
@@ -603,7 +603,7 @@ impl Answer {
     }
 }
 
-/// Prefix of the text of a lossy frame.
+/// Prefix of the hexadecimal text of a lossy frame.
 const LOSSY_PREFIX: &str = "lossy ";
 
 /// Serializes a frame as hexadecimal text.

@@ -1,7 +1,7 @@
 //! Reports as `JUnit` XML, for tools that read test results.
 //!
-//! A failing case is reported as a failure, and a case that was not run as an error. Problems with the whole run are failures.
-//! Known failures and cases without evidence (unsupported, inconclusive, other dialect, not judged, assumed) are skipped.
+//! A failing case or a problem with the whole run is reported as a failure. A case that was not run, or a program that is not a
+//! decoder, is an error. Known failures and cases without evidence, such as unsupported ones, are skipped.
 
 use maud::{Markup, PreEscaped, html};
 

@@ -1,8 +1,8 @@
 //! T.81 A.3.3: the part shared by the forward and the inverse DCT
 //!
 //! The standard defines the transform in terms of cosines and does not specify its arithmetic. The integer arithmetic here is
-//! that of the Independent JPEG Group's accurate transform ("islow"), based on the factorization of Loeffler, Ligtenberg and
-//! Moschytz (ICASSP 1989), which needs twelve multiplications for eight values. Columns and rows are transformed separately.
+//! that of the Independent JPEG Group's accurate transform ("islow"). It is based on the factorization of Loeffler, Ligtenberg
+//! and Moschytz (ICASSP 1989), which needs twelve multiplications for eight values. Columns and rows are transformed separately.
 //!
 //! Numbers are fixed-point integers. Factors have `FRACTION_BITS` fractional bits, and values keep `EXTRA_BITS`
 //! fractional bits between the two passes.

@@ -22,7 +22,7 @@
 
 use super::huffman_table::HuffmanTable;
 
-/// Table classes (B.2.4.2), which are also the classes of their symbols.
+/// Table classes (B.2.4.2). A symbol has the class of its table.
 pub(super) const DC: usize = 0;
 pub(super) const AC: usize = 1;
 

@@ -34,7 +34,7 @@ pub(super) struct RunMode {
     contexts: [RunContext; 2],
 }
 
-/// Statistics of the errors of samples that interrupt a run (A.7.2).
+/// Statistics of the prediction errors of interrupting samples (A.7.2).
 #[derive(Clone, Copy)]
 pub(super) struct RunContext {
     a: i32,

@@ -7,8 +7,8 @@ use crate::report::html::clause_map::{group_by_section, tallies};
 use crate::report::html::shell::{link, page_with_head, verdict_mark};
 use crate::suite::clauses::Clause;
 
-/// Renders a table with one column per report and one row per clause that a case tests. All reports must be for one suite of
-/// `suite_size` cases.
+/// Renders a table with one column per report and one row per clause that a case tests. All reports must be for the same suite,
+/// which has `suite_size` cases.
 ///
 /// # Errors
 /// Returns an error if there are no reports or they are for different suites.
