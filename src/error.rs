@@ -41,11 +41,11 @@ pub enum Kind {
     },
     /// `what` needs more bytes than remain in the file.
     Short {
-        /// Description of the part.
+        /// Description of the truncated part.
         what: &'static str,
         /// Number of bytes needed, or 2⁶⁴ − 1 on overflow.
         needed: u64,
-        /// Number of bytes from here to the end of the file.
+        /// Number of bytes from the position of the error to the end of the file.
         remaining: usize,
     },
     /// An index is past the last entry of the table.

@@ -11,7 +11,7 @@ use crate::protocol::frame::{Answer, Samples, View};
 use crate::ptm::Ptm;
 use crate::session::observation::Response;
 
-/// Clauses about the positions of correction records.
+/// Clauses about the positions in records of side information.
 const POSITION_CLAUSES: [&str; 2] = ["2.9.8/5", "2.9.8/6"];
 
 impl Witness<'_> {

@@ -324,7 +324,7 @@ pub fn diagnosis(bytes: &[u8]) {
     }
 }
 
-/// Interval between the cases that are used in addition to the first ones. Cases with large files are skipped.
+/// Interval between the cases that are used in addition to the `first` cases. Large files are skipped.
 const CASE_STRIDE: usize = 40;
 const MAX_BYTES: usize = 2000;
 

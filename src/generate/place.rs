@@ -196,7 +196,7 @@ impl Spot {
     }
 }
 
-/// A file with named places.
+/// A file whose places can be looked up by name.
 pub(super) struct NamedPlaces<'a> {
     pub written: &'a GeneratedFile,
     pub model: &'a Model,

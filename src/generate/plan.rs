@@ -61,7 +61,7 @@ impl Stream {
     };
 }
 
-/// The painted samples of planes.
+/// Kinds of painted samples: planes or residuals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(rename_all = "kebab-case"))]

@@ -34,7 +34,7 @@ pub(super) enum Symbol {
     Restart(u8),
 }
 
-/// Symbols of Table K.5, shortest code first.
+/// Symbols of Table K.5, those with the shortest codes first.
 #[rustfmt::skip]
 const AC_SYMBOLS: [u8; 162] = [
     0x01, 0x02, 0x03, 0x00, 0x04, 0x11, 0x05, 0x12, 0x21, 0x31, 0x41, 0x06, 0x13, 0x51,

@@ -22,7 +22,7 @@ use super::parameters::Parameters;
 /// Statistics of the errors in one kind of neighborhood.
 #[derive(Clone, Copy)]
 pub(super) struct Context {
-    /// Sum of the magnitudes of errors.
+    /// Sum of the magnitudes of the errors.
     a: i32,
     /// Sum of the errors, minus the part that C has absorbed.
     b: i32,

@@ -46,7 +46,7 @@ pub(super) struct RunContext {
 /// Prediction of the sample that interrupts a run (A.7.2).
 pub(super) struct Interruption {
     pub predicted: i32,
-    /// Sign of prediction errors, 1 or −1.
+    /// Factor of the prediction errors before they are coded, 1 or −1.
     pub sign: i32,
     /// `RItype`: 1 if |a − b| ≤ NEAR, else 0.
     pub kind: i32,

@@ -170,8 +170,8 @@ pub(in crate::diagnose) fn describe_observation(
     (shared.cases.len() == indices.len()).then(|| mode_diagnosis(witnesses, indices, &mode, effect))
 }
 
-/// Describes the failures on the legal files in `indices` if the misreading has little evidence because few of the responses are
-/// images. Returns `None` if the misreading itself predicts the refusals.
+/// Describes the failures on the legal files in `indices` if the evidence for the misreading is weak because few of the responses
+/// are images. Returns `None` if the misreading itself predicts the refusals.
 pub(in crate::diagnose) fn describe_non_images(
     witnesses: &[Witness],
     indices: &[usize],
