@@ -102,7 +102,7 @@ impl<'a, C: Reportable> Check<'a, C> {
         run
     }
 
-    /// Runs the smoke subset, reports likely causes, and runs the remaining cases. `pace` is the estimated time per request.
+    /// Runs the smoke subset, reports causes, runs the other cases, and returns all observations. `pace` is the time per request.
     fn run_smoke_subset_first(
         &self,
         session: &Session<C>,
@@ -175,7 +175,7 @@ impl<'a, C: Reportable> Check<'a, C> {
         }
     }
 
-    /// Writes the report with all verdicts, then searches for causes and writes the report again.
+    /// Writes the report with all verdicts, then searches for causes and writes the report again. Returns the exit status.
     pub fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
         let (suite, plan) = (self.writer.suite, self.plan);
         let assumed = self.circumstances.assumed.clone();

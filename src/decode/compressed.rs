@@ -107,7 +107,7 @@ impl<'a> Streams<'a> {
         self.plan.sequence.iter().copied().zip(residuals)
     }
 
-    /// Predicts and corrects the planes. `residuals` are the decoded streams.
+    /// Predicts and corrects the planes, and returns them as parts of the file. `residuals` are the decoded streams.
     pub(super) fn channels(
         &self,
         residuals: Vec<Vec<u8>>,

@@ -64,7 +64,7 @@ impl<A> CoverCandidate<&'static Misreading<A>> {
     }
 }
 
-/// Chooses candidates until none explains any case in `failing`. Removes the explained cases from `failing`.
+/// Returns candidates, chosen one by one until none explains any case in `failing`. Removes the explained cases from `failing`.
 pub(crate) fn cover<T: Copy>(
     mut candidates: Vec<CoverCandidate<T>>,
     failing: &mut Vec<usize>,

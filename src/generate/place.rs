@@ -49,9 +49,9 @@ enum StreamPart {
 enum Offset {
     Forward(usize),
     Back(usize),
-    /// Backward from the end, by texels of the last block.
+    /// Counted backward from the end, in texels of the last block.
     Texels(usize),
-    /// Backward from the end, by rows of texels.
+    /// Counted backward from the end, in rows of texels.
     Rows(usize),
     Half,
 }

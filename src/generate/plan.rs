@@ -154,7 +154,7 @@ pub enum Structure {
     SharedReference,
     /// Each plane is predicted from the next one. The last plane is intra.
     Upward,
-    /// All other planes are predicted from the plane of rank 0. Ranks are rotated by 4, so the order differs from its inverse.
+    /// All other planes are predicted from the plane of rank 0. Ranks are rotated by 4, so the order is not its own inverse.
     Rotated,
     /// The structure of the only known real file, which shows a clay tablet.
     Tablet,

@@ -76,7 +76,7 @@ impl<'a> Anatomy<'a> {
             .collect()
     }
 
-    /// Returns a refusal if `is_refused` is true for the text of a header field with one of these clauses.
+    /// Returns a refusal if `is_refused` returns true for the text of a header field with one of these clauses.
     pub(super) fn refuse_text(&self, clauses: &[&str], is_refused: fn(&str) -> bool) -> EditedFile {
         self.refuse_if(self.field_texts(clauses).into_iter().any(is_refused))
     }

@@ -18,7 +18,7 @@ use crate::protocol::frame::{Frame, Samples, ViewKind};
 
 /// Largest quantization step of an accepted JPEG: the largest step of libjpeg at quality 95.
 const MAX_QUANTIZATION_STEP: u16 = 12;
-/// Memory in bytes for tables and embedded profiles of an image, in addition to its samples.
+/// Memory, in bytes, for the tables and embedded profiles of an image, in addition to its samples.
 const WORKING_MEMORY: usize = 64 << 20;
 
 /// The accepted file formats.

@@ -93,7 +93,7 @@ impl ReaderImages {
         })
     }
 
-    /// Recognizes an image that is upside down, mirrored, or both.
+    /// Describes the orientation of an image that is upside down, mirrored, or both.
     fn orientation_fault(&self, truth: &[u8], other: &[u8]) -> Option<String> {
         let Size { width, height } = self.sizes[0];
         let (width, height) = (width as usize, height as usize);
@@ -134,7 +134,7 @@ fn extract_row(ptm: &Ptm, row: usize) -> Option<Planes> {
 const GREEN_FOR_RED: &str = "colors shifted: red shows green, green shows blue, blue shows red";
 const BLUE_FOR_RED: &str = "colors shifted: red shows blue, green shows red, blue shows green";
 
-/// Recognizes swapped color channels.
+/// Describes the order of swapped color channels.
 fn swapped_channels(truth: &[u8], other: &[u8]) -> Option<String> {
     let orders = [
         ([2, 1, 0], "red and blue swapped"),

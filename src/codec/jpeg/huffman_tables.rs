@@ -101,8 +101,8 @@ fn optimal_table(occurrences: &[u32; 256]) -> HuffmanTable {
     }
 }
 
-/// Merges the two lightest trees until one is left (Figure K.1). Each merge makes the codes of all symbols in both trees one bit
-/// longer. On ties, the tree with the larger first symbol counts as lighter.
+/// Returns the code length of each symbol. Merges the two lightest trees until one is left (Figure K.1); each merge makes all
+/// codes in both trees one bit longer. On ties, the tree with the larger first symbol counts as lighter.
 fn code_lengths(occurrences: &[u32; 256]) -> [usize; PLACEHOLDER + 1] {
     let mut weights: Vec<u32> = occurrences.iter().copied().chain([1]).collect();
     let mut trees: Vec<Vec<usize>> = (0..=PLACEHOLDER).map(|symbol| vec![symbol]).collect();

@@ -17,7 +17,7 @@ use crate::codec::stream_error::{StreamResult, malformed};
 /// Scan-decoding operations on an entropy-coded segment. [`Bits`] follows the standard bit by bit, and
 /// [`BitBuffer`](crate::codec::bit_buffer::BitBuffer) is faster.
 pub(super) trait ReadGolomb<'a>: ReadBits<'a, 7> {
-    /// Reads the next Golomb code and returns its number.
+    /// Reads the next Golomb code and returns the number that it represents.
     fn read_golomb(&mut self, k: u32, limit: u32, qbpp: u32) -> StreamResult<i32>;
 }
 

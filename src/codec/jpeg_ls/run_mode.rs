@@ -98,7 +98,7 @@ impl Interruption {
 }
 
 impl RunContext {
-    /// Returns k (A.7.2). If a ≈ b, no error is 0 and A sums the magnitudes minus one, so half of N is added to A.
+    /// Returns k (A.7.2). If |a − b| ≤ NEAR, no error is 0 and A sums the magnitudes minus one, so half of N is added to A.
     pub fn golomb_parameter(&self, kind: i32) -> u32 {
         golomb_parameter(self.a + kind * (self.n >> 1), self.n)
     }

@@ -252,7 +252,8 @@ struct CauseGroup {
     clause: Option<&'static str>,
 }
 
-/// For each of `formats`, moves from `open` to the result the files with a property that most `open` and no `known` files have.
+/// For each of `formats`, finds the files in `open` with a property that most `open` files and no `known` file have. Removes these
+/// files from `open` and returns them in groups.
 fn take_scopes(
     search: &Search,
     known: &[usize],
@@ -349,8 +350,7 @@ fn views_phrase(witnesses: &[Witness], indices: &[usize]) -> String {
     }
 }
 
-/// Returns one flag per channel: true if it is wrong in any image of the earliest view. Returns an empty list if the
-/// images differ in their number of channels.
+/// Returns one flag per channel: true if it is wrong in an image of the earliest view. Empty if the numbers of channels differ.
 pub(in crate::diagnose) fn wrong_channels(
     search: &Search,
     set: &[MistakeId],
