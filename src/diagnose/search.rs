@@ -763,7 +763,7 @@ impl<'a> Search<'a> {
         Some(pair.map(member).into())
     }
 
-    /// Removes mistakes that improve the total score of neither the small nor the large maps by at least [`CRASH_SCORE`].
+    /// Removes mistakes that add less than [`CRASH_SCORE`] to the total score, both on small maps and on large ones.
     fn drop_redundant(&self, members: &mut Vec<Member>) {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));

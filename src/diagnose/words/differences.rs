@@ -252,7 +252,7 @@ struct CauseGroup {
     clause: Option<&'static str>,
 }
 
-/// For each of `formats`, finds the files in `open` with a property that most `open` files and no `known` file have. Removes these
+/// For each of `formats`, finds files in `open` with a property that most `open` files and no `known` file have. Removes these
 /// files from `open` and returns them in groups.
 fn take_scopes(
     search: &Search,
