@@ -175,7 +175,7 @@ impl Error {
     }
 }
 
-/// Returns the title of a section, as in the text.
+/// Returns a short title of a section, in lowercase.
 #[must_use]
 pub fn section_title(section: &str) -> &'static str {
     match section {

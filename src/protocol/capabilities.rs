@@ -44,7 +44,7 @@ struct CapabilitiesRecord {
     reject_exit: Option<i64>,
 }
 
-/// Removes unprintable characters from a word, and limits its length.
+/// Removes control characters from a word, and limits its length.
 fn remove_unprintable(word: &str) -> String {
     let chars = word.chars().filter(|c| !c.is_control());
     chars.take(MAX_NAME_LENGTH).collect()

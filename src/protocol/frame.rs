@@ -205,7 +205,7 @@ impl FromStr for View {
     }
 }
 
-/// Maximum length of a PTM1 line in bytes.
+/// Maximum length, in bytes, of a PTM1 line.
 const MAX_LINE_LENGTH: usize = 200;
 
 /// The output of a decoder for one view of a file.
