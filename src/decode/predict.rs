@@ -17,7 +17,7 @@
 //!   row of the image. Halves are rounded up, and samples outside the plane replicate its edge.
 //! - Every plane has a vector, but the vector applies only if the transform has bit 2.
 //! - Both transforms apply to a copy of the reference, not to the residual or the result. The reference, which is
-//!   also a plane of the file, does not change.
+//!   also a plane in the file, does not change.
 
 use std::borrow::Cow;
 

@@ -1,4 +1,4 @@
-//! The samples of a scene, computed with integers only so that a recipe produces the same values on every machine.
+//! The samples of a scene, computed with integers only, so that a recipe produces the same values on every machine.
 
 use super::recipe::{Indices, Recipe};
 use super::scene::Scene;
