@@ -698,17 +698,17 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
             r.clamp = |entry| MapValue::Clamped(Texel::rgb(entry.clamp_color));
         },
         // ---------------------------------------------------------------- a PTM as a map
-        "ptm-top-row-first" => |r| r.rows = |picture| picture.values.as_chunks::<3>().0.to_vec(),
+        "ptm-top-row-first" => |r| r.rows = |image| image.values.as_chunks::<3>().0.to_vec(),
         "ptm-mirrored" => |r| {
-            r.rows = |picture| {
-                let rows = (SPEC.rows)(picture);
-                let rows = rows.chunks_exact(picture.size.width as usize);
+            r.rows = |image| {
+                let rows = (SPEC.rows)(image);
+                let rows = rows.chunks_exact(image.size.width as usize);
                 rows.flat_map(|row| row.iter().rev().copied()).collect()
             };
         },
         "ptm-blue-first" => |r| {
-            r.rows = |picture| {
-                let rows = (SPEC.rows)(picture).into_iter();
+            r.rows = |image| {
+                let rows = (SPEC.rows)(image).into_iter();
                 rows.map(|[r, g, b]| [b, g, r]).collect()
             };
         },

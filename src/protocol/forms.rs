@@ -3,7 +3,7 @@
 //! Programs that do not speak the protocol write images, which become frames of the view `rgb`. An array does not name its view,
 //! so the requested view is assumed. A response in any form must be complete, and no bytes may follow it.
 
-use super::{npy, picture};
+use super::{image_file, npy};
 use crate::protocol::frame::{Frame, View};
 
 /// Parses `bytes`, the complete response to a request for `view`. Decompresses at most `max_bytes` bytes.
@@ -13,8 +13,8 @@ use crate::protocol::frame::{Frame, View};
 pub fn read(bytes: &[u8], view: &View, max_bytes: usize) -> Result<Frame, String> {
     if bytes.starts_with(b"\x93NUMPY") {
         npy::read(bytes, view.kind()).map_err(|error| format!("a NumPy array: {error}"))
-    } else if let Some(picture) = picture::read(bytes, max_bytes) {
-        picture
+    } else if let Some(image) = image_file::read(bytes, max_bytes) {
+        image
     } else if let Some(form) = unsupported_form(bytes) {
         Err(format!(
             "{form}; an image is a PNG, PNM, TIFF, BMP, WebP or JPEG file, or a PTM1 line followed by samples"

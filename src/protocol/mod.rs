@@ -3,5 +3,5 @@
 pub mod capabilities;
 pub mod forms;
 pub mod frame;
+pub mod image_file;
 pub mod npy;
-pub mod picture;

@@ -36,7 +36,7 @@ enum TemplatePiece {
 }
 
 /// Name of the output file, without its extension.
-const OUTPUT_NAME: &str = "picture";
+const OUTPUT_NAME: &str = "image";
 
 impl Template {
     /// Parses a template. Words that name existing files become absolute paths, because each call runs in a separate directory.

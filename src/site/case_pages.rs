@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
+use super::images;
 use super::misreading_pages::filter_box;
 use super::page::{PageContext, SiteFile};
-use super::pictures;
 use crate::decode::decode;
 use crate::protocol::frame::View;
 use crate::ptm::channel_name;
@@ -111,7 +111,7 @@ fn render_image(case: &Case, built: &Built) -> Markup {
     html! {
         @if let (Ok(ptm), Some(View::Rgb(light))) = (decode(&built.file), light) {
             figure.large {
-                (pictures::render_map(&ptm.coefficients(), (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
+                (images::render_map(&ptm.coefficients(), (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
                 figcaption { (ptm.header.size) " under the light " (light.lu) ", " (light.lv) @if case.expect != Expect::Decode { ", as the reference decodes it" } }
             }
         } @else { p.nothing { "No image: the reference refuses this file." } }

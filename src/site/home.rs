@@ -2,9 +2,9 @@
 
 use maud::html;
 
+use super::images;
 use super::overview;
 use super::page::{PageContext, SiteFile};
-use super::pictures;
 use crate::misreadings;
 use crate::session::lit_scene::ball;
 
@@ -40,7 +40,7 @@ pub(super) fn page(context: PageContext) -> SiteFile {
         div.lights aria-label="The same map under four lights" role="group" {
             @for (lu, lv) in LIGHTS {
                 figure {
-                    (pictures::render_map(&map, (lu, lv), &format!("a ball, lit from {lu}, {lv}")))
+                    (images::render_map(&map, (lu, lv), &format!("a ball, lit from {lu}, {lv}")))
                     figcaption { "u " (lu) ", v " (lv) }
                 }
             }

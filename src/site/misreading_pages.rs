@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::page::{PageContext, SiteFile};
-use super::{pictures, readers::readers_with_mistake, witness::MisreadingWitness};
+use super::{images, readers::readers_with_mistake, witness::MisreadingWitness};
 use crate::decode::decode;
 use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::{Answer, Frame, View};
@@ -136,6 +136,6 @@ pub(super) fn image_pair(context: PageContext, misreading: &Misreading) -> Marku
 }
 
 fn image_or_text(frame: Option<&Frame>, alt: &str, fallback: &str) -> Markup {
-    let image = frame.and_then(|frame| pictures::render_frame(frame, alt));
+    let image = frame.and_then(|frame| images::render_frame(frame, alt));
     image.unwrap_or_else(|| html! { p.nothing { (fallback) } })
 }

@@ -95,11 +95,11 @@ pub struct Built {
         not(unix),
         allow(dead_code, reason = "images are compared only where decoders run")
     )]
-    pub(crate) pictures: Mutex<HashMap<String, Pictures>>,
+    pub(crate) images: Mutex<HashMap<String, DialectImages>>,
 }
 
 /// Correct image in each dialect; `None` if the file is refused in that dialect.
-pub(crate) type Pictures = Arc<Vec<Option<Expected>>>;
+pub(crate) type DialectImages = Arc<Vec<Option<Expected>>>;
 
 /// Spelling of a lookup table in a file. A decoder need not support every spelling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
@@ -208,7 +208,7 @@ impl Case {
             file,
             fields,
             values,
-            pictures: Mutex::default(),
+            images: Mutex::default(),
         }
     }
 

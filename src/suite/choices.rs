@@ -11,7 +11,7 @@ use crate::decode::Alternative::{
 use crate::protocol::frame::View;
 use crate::ptm::Format;
 use crate::reading::Reading;
-use crate::suite::cases::{Built, Case, Pictures};
+use crate::suite::cases::{Built, Case, DialectImages};
 use crate::suite::compare::Expected;
 use crate::suite::dialect::{Alternatives, Axis, Choice, Choices};
 
@@ -103,8 +103,13 @@ pub fn relevant_axes(case: &Case, view: &View) -> Vec<Axis> {
     not(unix),
     allow(dead_code, reason = "images are compared only where decoders run")
 )]
-pub(crate) fn pictures(built: &Built, view: &View, reference: Expected, axes: &[Axis]) -> Pictures {
-    let mut known = built.pictures.lock().expect("no worker panics");
+pub(crate) fn dialect_images(
+    built: &Built,
+    view: &View,
+    reference: Expected,
+    axes: &[Axis],
+) -> DialectImages {
+    let mut known = built.images.lock().expect("no worker panics");
     let make = || {
         let others = CHOICES.combinations(axes).into_iter().skip(1);
         let others = others.map(|dialect| {

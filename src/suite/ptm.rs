@@ -8,7 +8,7 @@ use crate::protocol::frame::{Frame, View, ViewKind};
 use crate::ptm::Format;
 use crate::reading::Reading;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
-use crate::suite::choices::{CHOICES, pictures, relevant_axes};
+use crate::suite::choices::{CHOICES, dialect_images, relevant_axes};
 use crate::suite::compare::{Difference, Expected};
 use crate::suite::dialect::{Choices, Dialect, RightDialects};
 use crate::suite::features::Feature;
@@ -148,13 +148,13 @@ impl TestCase for Case {
         };
         let right = match expected {
             Some(expected) if !axes.is_empty() => {
-                let pictures = pictures(built, view, expected, &axes);
-                let equals = |picture: &Option<Expected>| {
-                    (picture.as_ref()).is_some_and(|picture| picture.compare(frame).is_none())
+                let images = dialect_images(built, view, expected, &axes);
+                let equals = |image: &Option<Expected>| {
+                    (image.as_ref()).is_some_and(|image| image.compare(frame).is_none())
                 };
                 RightDialects::In {
                     axes,
-                    combinations: pictures.iter().map(equals).collect(),
+                    combinations: images.iter().map(equals).collect(),
                 }
             }
             expected => RightDialects::InAll(
@@ -173,9 +173,9 @@ impl TestCase for Case {
         let built = self.build(TableSpelling::default());
         let axes = relevant_axes(self, view);
         let expected = Expected::new(&built.values, view)?;
-        let pictures = pictures(&built, view, expected, &axes);
-        let picture = pictures[CHOICES.combination_index(dialect, &axes)].as_ref();
-        picture?.compare(frame)
+        let images = dialect_images(&built, view, expected, &axes);
+        let image = images[CHOICES.combination_index(dialect, &axes)].as_ref();
+        image?.compare(frame)
     }
 
     fn similarity(difference: &Difference) -> f64 {

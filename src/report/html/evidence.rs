@@ -9,7 +9,7 @@ use crate::decode::decode;
 use crate::diagnose::arithmetic_steps;
 use crate::protocol::frame::{Frame, View, ViewKind};
 use crate::ptm::{Shape, channel_name};
-use crate::report::html::pictures::{self, Position};
+use crate::report::html::figures::{self, Position};
 use crate::report::html::preview;
 use crate::session::observation::{Observation, Response};
 use crate::suite::cases::{Built, Case, TableSpelling};
@@ -124,7 +124,7 @@ fn render_image(case: &Case, built: &Built, view: &View, at: &Difference, frame:
                 code { (name) " = " (steps) @if let View::Rgb(_) = view { "; clamped to 0…255: " } @else { " = " } (number(expected.values[first + channel])) }
             }
         }
-        @if let Some(figure) = pictures::figure(expected, frame, position) { (figure) }
+        @if let Some(figure) = figures::figure(expected, frame, position) { (figure) }
         (origins(&name, &built.file, &sample_origins(case, &built.file, expected, position)))
         @if let Some(figure) = preview::figure(built, frame) { (figure) }
     }

@@ -60,7 +60,7 @@ pub enum Problem {
     Index,
     PayloadEnds,
     NotAStream,
-    OtherPicture,
+    OtherImage,
     StreamDamaged,
     StreamKind,
     RecordCut,

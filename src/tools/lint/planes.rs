@@ -87,7 +87,7 @@ fn stream_problem(coding: Coding, stream: &[u8], size: Size) -> Problem {
         {
             Problem::StreamDamaged
         }
-        Some(_) => Problem::OtherPicture,
+        Some(_) => Problem::OtherImage,
     }
 }
 
