@@ -11,6 +11,7 @@ use super::words::refusals::{self, WholeFormats};
 use super::words::{acceptances, differences, formats_phrase};
 use crate::formula::EditedForm;
 use crate::misreadings::{Hook, Misreading, Stage, Symptom};
+use crate::protocol::frame::ProcessEnd;
 use crate::suite::cases::Expect;
 
 /// Failures listed under one mistake, and the other mistakes needed to explain them.
@@ -152,8 +153,12 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
     let contradictions = search.contradictions(&[member.id]).len();
     let is_guess = || acceptances::describe_observation(witnesses, explained, misreading).is_some();
     let mode = |w: &usize| FailureMode::new(&witnesses[*w]);
-    let is_signal =
-        |w| matches!(mode(w), Some(FailureMode::Crashes(status)) if status.starts_with("killed"));
+    let is_signal = |w: &usize| {
+        let Some(FailureMode::Crashes(details)) = mode(w) else {
+            return false;
+        };
+        matches!(ProcessEnd::parse(&details), Some(ProcessEnd::Signal(_)))
+    };
     let images = |indices: &[usize]| indices.iter().filter(|w| mode(w).is_none()).count();
     let is_hidden = misreading.symptom != Symptom::Refusals && images(explained) == 0;
     images(explained) == 0 && explained.iter().any(is_signal)

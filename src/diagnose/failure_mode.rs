@@ -11,7 +11,7 @@ use crate::session::observation::Response;
 pub(super) enum FailureMode {
     Refuses,
     Unsupported,
-    /// Crash, with its exit status or signal.
+    /// Crash, with its details.
     Crashes(String),
     Hangs,
     /// Malformed frame, with its error message. Details of the message are removed.

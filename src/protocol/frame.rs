@@ -513,6 +513,38 @@ pub enum Answer<T = Frame> {
     NotAsked(String),
 }
 
+/// The end of a process that crashed. Its text is part of the format of reports.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProcessEnd {
+    /// Exit status.
+    Status(i32),
+    /// Number of the signal that killed the process.
+    Signal(i32),
+}
+
+impl ProcessEnd {
+    /// Reads the details of [`Answer::Crashed`]. Returns `None` if they do not describe the end of one process.
+    #[must_use]
+    pub fn parse(details: &str) -> Option<ProcessEnd> {
+        let (words, number) = details.rsplit_once(' ')?;
+        let number = number.parse().ok()?;
+        match words {
+            "exit status" => Some(ProcessEnd::Status(number)),
+            "killed by signal" => Some(ProcessEnd::Signal(number)),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for ProcessEnd {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ProcessEnd::Status(status) => write!(f, "exit status {status}"),
+            ProcessEnd::Signal(signal) => write!(f, "killed by signal {signal}"),
+        }
+    }
+}
+
 impl<T> Answer<T> {
     /// Returns the decoded value, or any other answer as an `Answer<U>`.
     ///

@@ -20,7 +20,7 @@ use std::time::{Duration, Instant};
 use rustix::process::Signal;
 
 use crate::protocol::forms;
-use crate::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View};
+use crate::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, ProcessEnd, View};
 use crate::runner::call::{Call, CallEnd, CallLimits, CallOutput};
 use crate::runner::processes;
 use crate::runner::scratch::{Scratch, is_unchanged};
@@ -466,10 +466,9 @@ pub(crate) const STOPPED_MESSAGE: &str = "the user ended the run";
 
 /// Describes how a process ended.
 pub(crate) fn describe_exit(status: ExitStatus) -> String {
-    match status.signal() {
-        Some(signal) => format!("killed by signal {signal}"),
-        None => format!("exit status {}", status.code().unwrap_or(-1)),
-    }
+    let signal = status.signal().map(ProcessEnd::Signal);
+    let end = signal.unwrap_or(ProcessEnd::Status(status.code().unwrap_or(-1)));
+    end.to_string()
 }
 
 /// Returns text that is safe to print on a terminal. Escapes control characters other than line feeds and tabs.
