@@ -207,10 +207,7 @@ pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: St
 
 /// Returns the effect and the fix for files that violate the given clause.
 fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
-    let clause = match fault.message.starts_with("the reference refuses") {
-        true => "refused",
-        false => clause,
-    };
+    let clause = if fault.is_refusal { "refused" } else { clause };
     let effect = match clause {
         "refused" => "writes files that no reader can decode",
         "1.0/1" => "fits the images worse than the best possible map",

@@ -9,6 +9,8 @@ pub struct WriterFault {
     pub clause: String,
     /// Description of the difference.
     pub message: String,
+    /// True if the reference refuses the file.
+    pub is_refusal: bool,
 }
 
 impl WriterFault {
@@ -16,6 +18,7 @@ impl WriterFault {
         WriterFault {
             clause: clause.to_owned(),
             message: message.into(),
+            is_refusal: false,
         }
     }
 }

@@ -55,7 +55,10 @@ pub(super) fn refusal(file: &[u8], error: &Error) -> WriterFault {
         false => format!("the bytes there are \"{}\"", excerpt.escape_ascii()),
     };
     let says = format!("the reference refuses the file: {error}; {bytes}");
-    WriterFault::new(error.clause(), says)
+    WriterFault {
+        is_refusal: true,
+        ..WriterFault::new(error.clause(), says)
+    }
 }
 
 /// Compares the format and size (2.2 and 2.3).
