@@ -179,7 +179,7 @@ fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         output: &args.output,
         shard: args.shard,
     };
-    run.check(&suite, selected, &ask, &|_| ())
+    run.check(&suite, selected, &ask)
 }
 
 /// Returns an error if an option does not apply to texture questions.

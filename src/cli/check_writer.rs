@@ -116,7 +116,7 @@ fn check<V: RequestValues>(
         output: &args.output,
         shard: None,
     };
-    run.check(suite, selected, &ask, &asking::reword)
+    run.check(suite, selected, &ask)
 }
 
 impl CheckWriterArgs {

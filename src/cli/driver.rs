@@ -234,13 +234,12 @@ pub struct ProgramRun<'a> {
 }
 
 impl ProgramRun<'_> {
-    /// Runs the selected cases and returns the exit status. `reword` may change the wording of the verdicts.
+    /// Runs the selected cases and returns the exit status.
     pub fn check<C: Reportable>(
         self,
         suite: &Suite<C>,
         selected: Vec<bool>,
         ask: &DecoderFn<C>,
-        reword: &dyn Fn(&mut Run<C>),
     ) -> CommandResult {
         let plan = RunPlan {
             selected,
@@ -255,9 +254,8 @@ impl ProgramRun<'_> {
             ..Circumstances::default()
         };
         let check = Check::new(&plan, circumstances, writer, self.shard)?;
-        let mut run = check.run_cases(ask, &|_| ());
+        let run = check.run_cases(ask, &|_| ());
         check_trouble(self.program)?;
-        reword(&mut run);
         Ok(check.conclude(run, OtherRemarks::default())?)
     }
 }

@@ -330,7 +330,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 }
 
-/// Returns the reason why the program that sent these replies is not a decoder, if it is not one.
+/// Returns the reason why the program that sent these replies is not a decoder or writer, if it is not one.
 fn non_decoder_reason<C: TestCase>(first: &[FirstFile<C>]) -> Option<String> {
     let decoded = first.iter().any(FirstFile::is_decoded);
     let is_refused = |first: &&FirstFile<C>| matches!(first.reply.answer, Answer::Rejected);
@@ -344,14 +344,14 @@ fn non_decoder_reason<C: TestCase>(first: &[FirstFile<C>]) -> Option<String> {
         }
         _ if decoded => return None,
         (Answer::Unsupported, _) if refused == 0 => {
-            "it exits with 69 (unsupported) on all of the first files in every view".to_owned()
+            "it exits with 69 (unsupported) on all of the first requests".to_owned()
         }
         (Answer::Rejected | Answer::Unsupported, _) => format!(
-            "it decodes none of the first files in any view, and refuses {refused} of {} requests for ordinary files (exit status 65)",
+            "it produces no output for the first requests, and refuses {refused} of {} (exit status 65)",
             first.len()
         ),
         (answer, _) => format!(
-            "its responses to the first files contain no well-formed frame; its first answer: {}",
+            "none of its first responses is well-formed; the first: {}",
             answer.describe()
         ),
     };

@@ -4,7 +4,6 @@ use crate::protocol::frame::Answer;
 use crate::ptm::Size;
 use crate::runner::run::{Decoder, Reply};
 use crate::runner::{scratch::Scratch, write::WriteCall};
-use crate::session::run::Run;
 use crate::suite::{cases::TableSpelling, test_case::TestCase};
 use crate::writers::test_case::{FileCase, RequestValues, WrittenFile};
 
@@ -44,33 +43,4 @@ pub fn request_file<V: RequestValues>(
         stdout: result.stdout,
         ..answer.into()
     }
-}
-
-/// Rewords the reason why a program is not a writer in terms of writers instead of decoders.
-pub fn reword<V: RequestValues>(run: &mut Run<FileCase<V>>) {
-    let Some(reason) = &run.not_a_decoder else {
-        return;
-    };
-    if reason.contains("cannot be") {
-        return;
-    }
-    let mut first = run.first.iter().map(|first| &first.reply);
-    let violates = |reply: &&Reply<_>| reply.answer.violation().is_some();
-    let is_unsupported = |reply: &Reply<_>| matches!(reply.answer, Answer::Unsupported);
-    run.not_a_decoder = Some(match first.clone().find(violates) {
-        _ if first.all(is_unsupported) => {
-            "the writer answered all of the first requests with 69 (unsupported)".to_owned()
-        }
-        None => "the writer refused all of the first requests".to_owned(),
-        Some(Reply { answer, stderr, .. }) => {
-            let stderr = match stderr.is_empty() {
-                true => String::new(),
-                false => format!("\nits standard error begins:\n{stderr}"),
-            };
-            let answer = answer.describe();
-            format!(
-                "the writer wrote none of the first files; its first answer was: {answer}{stderr}"
-            )
-        }
-    });
 }

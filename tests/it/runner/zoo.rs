@@ -28,8 +28,8 @@ right chatters floods-stderr gigabytes-on-stderr a-million-writes byte-by-byte l
   leaves-a-daemon leaves-orphans keeps-zombies fills-its-scratch exhausts-descriptors prints-before-reading
   declares-rgb-only declares-exit-1 declares-everything-and-fails floods-on-capabilities
   bombs-on-capabilities babbles-on-capabilities | 0 | | none | pass: 17 pass
-refuses-all | 3 | | not judged | decodes none of the first files
-unsupported-all | 3 | | not judged | 69 (unsupported) on all of the first files
+refuses-all | 3 | | not judged | produces no output for the first requests
+unsupported-all | 3 | | not judged | 69 (unsupported) on all of the first requests
 exits-1 | 3 | | not judged | crash: exit status 1
 exits-101 | 3 | | not judged | crash: exit status 101
 aborts | 3 | | not judged | crash: killed by signal 6
