@@ -2,6 +2,7 @@
 
 #![allow(clippy::cast_possible_wrap, reason = "there are at most 18 planes")]
 
+use std::collections::HashSet;
 use std::str::FromStr;
 
 use super::predict::{INVERSION, MOTION};
@@ -279,7 +280,7 @@ impl Compression {
                 || texel / width == 0
                 || texel / width == size.height as usize - 1
         };
-        let mut requested: Vec<usize> = Vec::new();
+        let (mut requested, mut seen) = (Vec::new(), HashSet::new());
         let applies = |records: &&Records| self.includes(records.planes, plane);
         for records in self.records.iter().filter(applies) {
             let more: Vec<usize> = match &records.texels {
@@ -289,11 +290,7 @@ impl Compression {
                 Texels::Border => (0..texels).filter(edge).collect(),
                 Texels::List(list) => list.clone(),
             };
-            for texel in more {
-                if !requested.contains(&texel) {
-                    requested.push(texel);
-                }
-            }
+            requested.extend(more.into_iter().filter(|&texel| seen.insert(texel)));
         }
         requested
     }
