@@ -11,7 +11,7 @@ use std::time::Duration;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGCHLD, SIGINT, SIGTERM, SIGXFSZ};
 
-use ptm_conform::runner::processes::{self, Descendants};
+use ptm_conform::runner::processes::{self, Children};
 use ptm_conform::runner::run::Decoder;
 use ptm_conform::runner::scratch::{Scratch, remove_directory};
 
@@ -66,11 +66,11 @@ const POLL_INTERVAL: Timespec = Timespec {
 /// descendant of the run, so the watcher tracks these descendants until the run ends.
 pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     let stdin = io::stdin();
-    let mut children = Descendants::default();
+    let mut children = Children::default();
     loop {
         let mut input = [PollFd::new(&stdin, PollFlags::IN)];
         match poll(&mut input, Some(&POLL_INTERVAL)) {
-            Ok(0) => children = Descendants::new(run),
+            Ok(0) => children = Children::new(run),
             Ok(_) => break,
             Err(_) => std::thread::sleep(Duration::from_millis(100)),
         }

@@ -45,7 +45,7 @@ struct CapabilitiesRecord {
 }
 
 /// Removes control characters from a word, and limits its length.
-fn remove_unprintable(word: &str) -> String {
+fn remove_control_characters(word: &str) -> String {
     let chars = word.chars().filter(|c| !c.is_control());
     chars.take(MAX_NAME_LENGTH).collect()
 }
@@ -82,8 +82,8 @@ impl Capabilities {
             valid
         });
         Ok(Capabilities {
-            name: record.name.as_deref().map(remove_unprintable),
-            version: record.version.as_deref().map(remove_unprintable),
+            name: record.name.as_deref().map(remove_control_characters),
+            version: record.version.as_deref().map(remove_control_characters),
             views,
             formats,
             serves: modes.is_some_and(|modes| modes.contains(&"serve")),
@@ -108,7 +108,7 @@ fn parse_words<T>(
     parse: impl Fn(&str) -> Option<T>,
 ) -> Option<Vec<T>> {
     let parse_word = |word: String| {
-        let word = remove_unprintable(&word);
+        let word = remove_control_characters(&word);
         let known = parse(&word);
         if known.is_none() && remarks.len() < 10 {
             remarks.push(format!("the decoder declares an unknown {kind}: {word:?}"));

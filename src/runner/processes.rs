@@ -175,14 +175,14 @@ fn state_and_start(pid: u32) -> Option<(char, u64)> {
 
 /// A snapshot of processes, for a watchdog that ends them if their parent disappears.
 #[derive(Default)]
-pub struct Descendants(Vec<(u32, u64)>);
+pub struct Children(Vec<(u32, u64)>);
 
-impl Descendants {
+impl Children {
     /// Lists the children of a process, including inherited orphans but excluding this process.
     #[must_use]
-    pub fn new(parent: u32) -> Descendants {
+    pub fn new(parent: u32) -> Children {
         let children = children_of(parent).filter(|&pid| pid != std::process::id());
-        Descendants(children.filter_map(process_identity).collect())
+        Children(children.filter_map(process_identity).collect())
     }
 
     /// Kills the processes that are still running, and their descendants.

@@ -124,7 +124,7 @@ const NOT_A_BYTE: &str =
     "a coefficient times its color, divided by 255, is not a representable integer";
 
 /// Maximum absolute value of a bias. Products of two such biases fit in an `i64`.
-const MAX_EXACT_BIAS: f64 = 1e9;
+const MAX_ABSOLUTE_BIAS: f64 = 1e9;
 
 /// Conversion of a texel, given the biases and one flag per coefficient: true if its scale is not 0.
 type TexelRule = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
@@ -136,9 +136,9 @@ fn convert_texels(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
         _ => (NOT_A_BYTE, multiply_colors),
     };
     let (source, set) = (ptm.header.format, &ptm.header.scale_bias);
-    if set.bias.iter().any(|bias| bias.abs() > MAX_EXACT_BIAS) {
+    if set.bias.iter().any(|bias| bias.abs() > MAX_ABSOLUTE_BIAS) {
         return Err(format!(
-            "cannot convert {source} to {target}: a bias exceeds {MAX_EXACT_BIAS}"
+            "cannot convert {source} to {target}: a bias exceeds {MAX_ABSOLUTE_BIAS}"
         ));
     }
     let bias = set.bias.map(|bias| bias as i64);
