@@ -4,13 +4,24 @@ use ptm_conform::Reading;
 use ptm_conform::formula::Edit;
 use ptm_conform::misreadings::{self, Hook, Misreading, Symptom};
 use ptm_conform::protocol::frame::Answer;
+use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, check};
-use ptm_conform::suite::cases::Suite;
+use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
 
 pub fn suite() -> Suite {
     Suite::load().expect("the suite loads")
+}
+
+/// Returns the suite with prepared files. To save time, files of more than 64 KiB are included only in LUM.
+pub fn suite_of_small_files() -> Suite {
+    let mut suite = suite().with_prepared_files();
+    let is_small = |case: &Case| case.build(TableSpelling::default()).file.len() <= 1 << 16;
+    suite
+        .cases
+        .retain(|case| is_small(case) || case.format() == Format::Lum);
+    suite
 }
 
 /// Returns the number of processors.

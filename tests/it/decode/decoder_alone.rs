@@ -116,6 +116,5 @@ fn every_file_has_the_result_of_the_manifest() {
         assert_eq!(mismatch, None, "{}", entry.id);
         read += 1;
     }
-    println!("{read} files");
     assert!(read > 1000, "{read} files");
 }

@@ -15,7 +15,8 @@ use ptm_conform::strength::matrix::run_with_mistakes;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
 use crate::in_process::{
-    answer_with, formula_misreading, jobs, misreading, reference_answer, run_all, suite,
+    answer_with, formula_misreading, jobs, misreading, reference_answer, run_all,
+    suite_of_small_files,
 };
 use crate::table::rows;
 
@@ -89,7 +90,7 @@ const MAX_ANSWERS_PER_CASE: usize = 200;
 
 #[test]
 fn search_ends_for_unrelated_failures() {
-    let mut suite = suite().with_prepared_files();
+    let mut suite = suite_of_small_files();
     suite.cases.retain(|case| case.format().coding().is_none());
     let run = run_faulty_decoder(&suite, |_, _| {
         Answer::Decoded(Frame {
@@ -112,7 +113,7 @@ fn search_ends_for_unrelated_failures() {
 #[test]
 fn mistake_in_one_channel_names_the_channel() {
     let wraps = misreading("color-wraps");
-    let causes = diagnose_faulty_decoder(&suite().with_prepared_files(), |request, answer| {
+    let causes = diagnose_faulty_decoder(&suite_of_small_files(), |request, answer| {
         let wrong = answer_with(&[wraps], request);
         match (answer, wrong) {
             (Answer::Decoded(mut frame), Answer::Decoded(wrong)) if frame.view == ViewKind::Rgb => {
@@ -136,7 +137,7 @@ fn mistake_in_one_channel_names_the_channel() {
 /// A decoder that lacks a format may refuse some files in that format before it reads the format name.
 #[test]
 fn undecoded_format_is_unsupported_despite_refusals() {
-    let mut suite = suite().with_prepared_files();
+    let mut suite = suite_of_small_files();
     let is_wanted = |case: &Case| match case.format() {
         Format::Lum => case.expect == Expect::Decode,
         format => case.first && format == Format::Rgb,
@@ -173,7 +174,7 @@ polynomial | a0 * u * u + a2 * u * v + a3 * u + a4 * v + a5 | rgb | a0 * u * u +
 
 #[test]
 fn formula_mistake_is_described() {
-    let suite = suite().with_prepared_files();
+    let suite = suite_of_small_files();
     for [formula, expression, view, says] in rows(FORMULA_MISTAKES) {
         println!("{formula} = {expression}");
         let edit = Edit::parse(&formula, &expression).expect("a formula");
@@ -192,7 +193,7 @@ fn formula_mistake_is_described() {
 
 #[test]
 fn mistake_outside_the_formulas_is_described() {
-    let suite = suite().with_prepared_files();
+    let suite = suite_of_small_files();
     let decoders: &[(&str, ChangeAnswer, &[&str])] = &[
         (
             "refuses two formats, which one misreading would also explain",
@@ -308,7 +309,7 @@ fn check_every_misreading(
 }
 
 fn check_in_reference_dialect(first: usize, step: usize) {
-    let suite = suite().with_prepared_files();
+    let suite = suite_of_small_files();
     let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());
     let run = |mistake| run_with_mistakes(&suite, &[mistake], &[], jobs(), &right).0;
     check_every_misreading((first, step), &suite, "", run);
@@ -316,7 +317,7 @@ fn check_in_reference_dialect(first: usize, step: usize) {
 
 /// Checks misreadings of a decoder that reads an open question differently from the reference.
 fn check_with_line_feed_after_tables(first: usize, step: usize) {
-    let suite = suite().with_prepared_files();
+    let suite = suite_of_small_files();
     let reading = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);
     let run = |mistake| {
         run_all(&suite, |request| {
@@ -392,7 +393,7 @@ fn all_have_effect(suite: &Suite, set: &[&'static Misreading]) -> bool {
 /// the sets, all mistakes must be among the first causes. For at most `max_false` percent, a false cause may be reported as
 /// certain.
 fn check_sets(count: usize, size: usize, min_named: usize, max_false: usize) {
-    let suite = suite().with_prepared_files();
+    let suite = suite_of_small_files();
     let (_, right) = run_with_mistakes(&suite, &[], &[], jobs(), &HashMap::new());
     let (mut tried, mut named, mut misled) = (0, 0, 0);
     for set in random_sets(count * 4, size) {

@@ -6,7 +6,7 @@ use ptm_conform::misreadings;
 use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use ptm_conform::runner::run::Request;
 
-use crate::in_process::{answer_with, misreading, reference_answer, run_all, suite};
+use crate::in_process::{answer_with, misreading, reference_answer, run_all, suite_of_small_files};
 
 /// Maximum number of answers that the search may compute.
 const MAX_ANSWERS: usize = 200_000;
@@ -60,7 +60,7 @@ fn with_sizes_in_bytes(request: &Request) -> Answer {
 
 #[test]
 fn search_is_bounded_for_any_decoder() {
-    let suite = suite().with_prepared_files();
+    let suite = suite_of_small_files();
     let decoders: [(&str, fn(&Request) -> Answer, &str); 4] = [
         ("uniform", with_uniform_samples, ""),
         ("constant image", constant_image, ""),

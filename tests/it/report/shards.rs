@@ -19,7 +19,7 @@ use ptm_conform::session::run::{Run, Session};
 use ptm_conform::suite::cases::{Case, Suite};
 
 use crate::common::{Workspace, zoo};
-use crate::in_process::{answer_with, misreading, reference_answer, suite};
+use crate::in_process::{answer_with, misreading, reference_answer, suite_of_small_files};
 
 fn circumstances() -> Circumstances {
     Circumstances {
@@ -127,7 +127,7 @@ fn is_sampled(request: &Request, count: u32) -> bool {
 /// For each decoder, verdicts in one part depend on answers in another part.
 #[test]
 fn eight_merged_shards_equal_the_whole_run() {
-    let suite = suite().with_prepared_files();
+    let suite = suite_of_small_files();
     assert_same_report(&suite, &reference_answer);
     let mistake = misreading("rows-top-down");
     assert_same_report(&suite, &|request| answer_with(&[mistake], request));
@@ -159,7 +159,7 @@ fn eight_merged_shards_equal_the_whole_run() {
 
 #[test]
 fn incomplete_or_foreign_shards_are_not_merged() {
-    let suite = suite().with_prepared_files();
+    let suite = suite_of_small_files();
     let scratch = tempfile::tempdir().expect("a directory");
     let tool = report_of_whole_run(&suite, &reference_answer).tool;
     let run = |number, total| {

@@ -104,7 +104,6 @@ fn file_command_identifies_exactly_the_legal_files() {
 #[ignore = "reads every file in /usr"]
 fn no_system_file_is_identified_as_a_ptm() {
     let files = files_below(Path::new("/usr"), usize::MAX);
-    println!("{} files", files.len());
     assert_eq!(count_ptms(&Workspace::new(), &files), 0);
 }
 

@@ -121,10 +121,8 @@ fn hp_fit_is_close_to_the_optimum() {
         let errors = Polynomials::new(map).expect("LRGB").errors(&set);
         errors.iter().sum::<f64>() / errors.len() as f64
     };
-    let (hp, best) = (
-        mean(&decode(&file).expect("a map")),
-        mean(&optimum(&set, Format::Lrgb)),
-    );
+    let hp = mean(&decode(&file).expect("a map"));
+    let best = mean(&optimum(&set, Format::Lrgb));
     println!("HP {hp:.3}, optimum {best:.3}");
     assert!(best <= hp, "{best} {hp}");
 }
