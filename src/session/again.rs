@@ -81,8 +81,8 @@ impl<C: TestCase> Session<'_, C> {
         wanted.into_iter().partition(|i| some.contains(i))
     }
 
-    /// Repeats each of these cases in a new process, and once more if only one of the two responses violates the protocol.
-    /// Records differences and returns true if there are any.
+    /// Repeats each of these cases in a new process. If the response differs, repeats the case once more, to distinguish a decoder
+    /// with random responses from one whose serve mode differs. Records differences and returns true if there are any.
     fn repeat_in_new_processes(
         &self,
         table: TableSpelling,
@@ -90,7 +90,7 @@ impl<C: TestCase> Session<'_, C> {
         case_indices: &[usize],
         progress: &CountCallback,
     ) -> bool {
-        let in_serve_mode = self.plan.repeat == Repeat::FailuresAndSample;
+        let is_serving = self.plan.repeat == Repeat::FailuresAndSample;
         let state = Mutex::new((observations, 0, false));
         let lock = || state.lock().expect("no worker panics");
         self.run_in_parallel(case_indices.len(), |at, worker| {
@@ -103,12 +103,16 @@ impl<C: TestCase> Session<'_, C> {
             // A crash, a timeout or truncated output may have happened only to that process.
             let is_no_answer =
                 |seen: &Observation<C>| matches!(seen.response, Response::Violation(_));
-            let once_more = (is_no_answer(&alone) != is_no_answer(&first)).then(ask);
+            let differs = !alone.response.is_equivalent(&first.response);
+            let is_doubtful = is_serving || is_no_answer(&alone) != is_no_answer(&first);
+            let once_more = (differs && is_doubtful).then(ask);
             if self.is_over() {
                 return false;
             }
-            let differs = !alone.response.is_equivalent(&first.response);
             if differs {
+                let varies =
+                    |third: &Observation<C>| !third.response.is_equivalent(&alone.response);
+                let in_serve_mode = is_serving && !once_more.as_ref().is_some_and(varies);
                 let message = difference(in_serve_mode, &first, &alone, once_more.as_ref());
                 first.nondeterminism = Some(Nondeterminism {
                     in_serve_mode,
@@ -143,11 +147,8 @@ fn difference<C: TestCase>(
         Some(once_more) if once_more.response.is_equivalent(&first.response) => format!(
             "answers with {one}; a repetition in a new process ended with {other}, but the next repetition gave the first response again"
         ),
-        Some(_) if in_serve_mode => {
-            format!("in serve mode{after}, it answers with {one}; in one-shot mode, with {other}")
-        }
-        None if in_serve_mode => format!(
-            "in serve mode{after}, it answers with {one}; alone, with {other}: state leaks between files"
+        _ if in_serve_mode => format!(
+            "in serve mode{after}, it answers with {one}; twice in one-shot mode, with {other}: state may leak between files"
         ),
         _ if one == other => format!("two calls returned different responses, each {one}"),
         _ => format!("two calls returned different responses: {one}, then {other}"),

@@ -105,9 +105,9 @@ serves-and-hangs-at-lum
   | 1 | --timeout 2 --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | hang: no answer within 2 s
 serves-and-hoards | 1 | --serve --jobs 1 --memory 250M | some | out of memory: the processes of the program used more than 250 MiB
 serves-and-deletes | 1 | --serve | none | serve mode failed && tampering
-serves-with-leaks | 1 | --serve --jobs 1 | 11 | state leaks between files && alone, with an image
+serves-with-leaks | 1 | --serve --jobs 1 | 11 | state may leak between files && one-shot mode, with an image
 serves-other-answers
-  | 1 | --serve --jobs 1 | some | state leaks between files && it answers with "unsupported"; alone, with an image
+  | 1 | --serve --jobs 1 | some | state may leak between files && it answers with "unsupported"; twice in one-shot mode, with an image
 "#;
 
 /// Expands a table to one entry per program.
