@@ -34,8 +34,8 @@ fn format_final_value(ptm: &Ptm, raw: &[u8], channel: usize) -> String {
     format!(
         "({} − {}) · {}",
         raw[channel],
-        parenthesize(numbers.bias[channel % 6]),
-        parenthesize(numbers.scale[channel % 6])
+        exact_number(numbers.bias[channel % 6]),
+        exact_number(numbers.scale[channel % 6])
     )
 }
 
@@ -82,7 +82,17 @@ fn format_color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> Stri
     }
 }
 
-/// Formats a number, in parentheses if it is negative.
+/// Formats a number with all its digits, in parentheses if it is negative.
+fn exact_number(value: f64) -> String {
+    let digits = format!("{:?}", value.abs());
+    let digits = digits.trim_end_matches(".0");
+    match value < 0.0 {
+        true => format!("(−{digits})"),
+        false => digits.to_owned(),
+    }
+}
+
+/// Formats a number with at most four decimal places, in parentheses if it is negative.
 fn parenthesize(value: f64) -> String {
     match value < 0.0 {
         true => format!("(−{})", short_number(-value)),
