@@ -6,7 +6,7 @@ use super::mistake::{ChannelSubset, Mistake};
 use super::scope::FileScope;
 use super::search::{Member, MistakeId, MistakeSet, Search, ids_of, without_id};
 use super::tuning::{MAX_SAMPLE, MIN_SHARING_FILES, is_few, is_most, is_substantial};
-use super::witness::Witness;
+use super::witness::{Agreement, Witness};
 use super::words::refusals::{self, WholeFormats};
 use super::words::{acceptances, differences, formats_phrase};
 use crate::formula::EditedForm;
@@ -141,8 +141,9 @@ fn diagnose_whole_formats(
 }
 
 /// Returns true if the evidence for a misreading is too weak:
-/// - more cases contradict it than support it,
+/// - more cases contradict it than support it, including images of files that it would refuse,
 /// - only malformed files support it, and some case contradicts it,
+/// - a single legal file supports it, without an image,
 /// - it explains a crash by a signal, and no image supports it, or
 /// - it changes values, no image supports it, and it explains fewer failures than there are unexplained images.
 fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[usize]) -> bool {
@@ -150,7 +151,9 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
         return false;
     };
     let (witnesses, explained) = (search.witnesses, &share.explains);
-    let contradictions = search.contradictions(&[member.id]).len();
+    let is_read = |w: &&usize| search.agreement(**w, &[member.id]) == Agreement::Contradiction;
+    let read = search.failing().iter().filter(is_read).count();
+    let contradictions = read + search.contradictions(&[member.id]).len();
     let is_guess = || acceptances::describe_observation(witnesses, explained, misreading).is_some();
     let mode = |w: &usize| FailureMode::new(&witnesses[*w]);
     let is_signal = |w: &usize| {
@@ -161,7 +164,8 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
     };
     let images = |indices: &[usize]| indices.iter().filter(|w| mode(w).is_none()).count();
     let is_hidden = misreading.symptom != Symptom::Refusals && images(explained) == 0;
-    images(explained) == 0 && explained.iter().any(is_signal)
+    let is_single = matches!(explained[..], [w] if witnesses[w].case.expect == Expect::Decode);
+    images(explained) == 0 && (is_single || explained.iter().any(is_signal))
         || is_hidden && images(left) > explained.len()
         || contradictions > explained.len()
         || contradictions > 0 && is_guess()
@@ -211,6 +215,8 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
     let in_suite = |indices: &[usize]| -> Vec<usize> {
         indices.iter().map(|&w| witnesses[w].case_index).collect()
     };
+    let observed = refusals::describe_non_images(witnesses, &share.explains, misreading, &alike)
+        .or_else(|| acceptances::describe_observation(witnesses, &share.explains, misreading));
     let cause = Cause::Misreading {
         misreading,
         equivalents: alike,
@@ -218,8 +224,7 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
     };
     Diagnosis {
         contradicted_by: in_suite(&search.contradictions(&[member.id])),
-        observed: refusals::describe_non_images(witnesses, &share.explains, misreading)
-            .or_else(|| acceptances::describe_observation(witnesses, &share.explains, misreading)),
+        observed,
         is_certain: true,
         ..Diagnosis::new(cause, in_suite(&share.explains))
     }
@@ -252,7 +257,7 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis
         _ => (
             misreading.effect.to_owned(),
             format!(
-                "{}. More: ptm-conform explain {}",
+                "{} (see ptm-conform explain {})",
                 misreading.fix, misreading.slug
             ),
         ),

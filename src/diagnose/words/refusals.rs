@@ -171,11 +171,12 @@ pub(in crate::diagnose) fn describe_observation(
 }
 
 /// Describes the failures on the legal files in `indices` if the evidence for the misreading is weak because few of the responses
-/// are images. Returns `None` if the misreading itself predicts the refusals.
+/// are images. Returns `None` if the misreading predicts the refusals, and so does no misreading of another clause in `others`.
 pub(in crate::diagnose) fn describe_non_images(
     witnesses: &[Witness],
     indices: &[usize],
     misreading: &Misreading,
+    others: &[&Misreading],
 ) -> Option<Cause> {
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
     let indices: Vec<usize> = indices.iter().copied().filter(is_legal).collect();
@@ -186,13 +187,17 @@ pub(in crate::diagnose) fn describe_non_images(
         .iter()
         .filter(|&&w| FailureMode::new(&witnesses[w]).is_none());
     let is_predicted = modes.iter().all(is_refusal) && misreading.symptom == Symptom::Refusals;
-    if indices.is_empty() || !is_few(images.count(), indices.len()) || is_predicted {
+    let is_unique = others.iter().all(|other| other.clause == misreading.clause);
+    if indices.is_empty() || !is_few(images.count(), indices.len()) || is_predicted && is_unique {
         return None;
     }
     let mode = modes.first()?;
     let effect = outcomes_text(witnesses, &indices, &modes);
     let refusal = mode_diagnosis(witnesses, &indices, mode, effect);
-    Some(refusal.with_clause(misreading.clause).cause)
+    Some(match is_unique {
+        true => refusal.with_clause(misreading.clause).cause,
+        false => refusal.cause,
+    })
 }
 
 /// Returns a list of outcomes such as "crashes (exit status 1) on 12 legal files, and refuses 1 legal file".
@@ -234,9 +239,18 @@ pub(in crate::diagnose) fn describe_unexplained(
             example: example(witnesses, &indices),
         };
         let described = Diagnosis::from_description(Category::Refusal, witnesses, &indices, text);
-        diagnoses.push(described.with_clause(shared_clause(witnesses, &indices)));
+        diagnoses.push(described.with_clause(most_frequent_clause(witnesses, &indices)));
     }
     diagnoses
+}
+
+/// Returns the first clause of most of these cases or, if there is none, the clause about the layout that the files share.
+fn most_frequent_clause<'a>(witnesses: &'a [Witness], indices: &[usize]) -> &'a str {
+    let clause = |w: &usize| &*witnesses[*w].case.clauses[0];
+    let count = |clause_of: &str| indices.iter().filter(|w| clause(w) == clause_of).count();
+    let mut clauses = indices.iter().map(clause);
+    let most = clauses.find(|&one| count(one) * 2 > indices.len());
+    most.unwrap_or_else(|| shared_clause(witnesses, indices))
 }
 
 /// Describes the smallest of these files: the reason for its case, and the last message on standard error.
