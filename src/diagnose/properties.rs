@@ -212,7 +212,7 @@ fn data_properties(f: &File) -> [Property; 10] {
     ]
 }
 
-fn prediction_properties(f: &File) -> [Property; 13] {
+fn prediction_properties(f: &File) -> [Property; 14] {
     let has = |test: fn(&Compression) -> bool| f.plan.is_some_and(test);
     let vectors = f.vectors();
     let is_half = vectors.iter().any(|(x, y)| (x | y) & 1 == 1);
@@ -248,6 +248,10 @@ fn prediction_properties(f: &File) -> [Property; 13] {
         ("2.9.4/2 with prediction from a later plane", is_later),
         ("2.9.4/2 with prediction from a predicted plane", is_chained),
         ("2.9.8/4 with side information", is_corrected),
+        (
+            "2.9.8/4 with side information although the parameter is 0",
+            is_corrected && has(|plan| plan.parameter == 0),
+        ),
         (
             "2.9.8/7 with side information for intra-coded planes",
             corrects_intra,

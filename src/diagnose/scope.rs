@@ -84,7 +84,11 @@ impl FileScope {
                     true => ["least", "most"],
                     false => ["most", "least"],
                 };
-                let words = words.replace("{}", &format!("at {here} {bound}"));
+                let limit = match (words.starts_with("with {}"), *is_minimum, &*bound) {
+                    (true, false, "0") => "no".to_owned(),
+                    _ => format!("at {here} {bound}"),
+                };
+                let words = words.replace("{}", &limit);
                 format!("{words} (other files: at {there} {other})")
             }
         }

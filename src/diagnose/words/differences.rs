@@ -69,7 +69,7 @@ impl Phase {
             ],
             Phase::Rearranged => [
                 "shows the correct values in the wrong places",
-                "compare the order of rows, columns and blocks with the clause",
+                "compare the order of rows, columns, blocks and channels with the clause",
             ],
             Phase::Stream => [
                 "shows wrong values in planes that are neither predicted nor corrected",
@@ -312,8 +312,8 @@ fn difference_text(
     };
     let mut wrong = wrong_channels(search, set, indices);
     wrong.retain(|_| indices.len() >= MIN_SHARING_FILES);
-    // Only R, G and B are wrong in a format with one polynomial.
-    let are_colors = wrong.len() == 9 && !wrong[..6].contains(&true);
+    // Only R, G and B, or Cr and Cb, are wrong in a format with one polynomial.
+    let are_colors = matches!(wrong.len(), 8 | 9) && !wrong[..6].contains(&true);
     let clause = match (step, clause) {
         (Phase::StoredValue, Some("2.7.3/1")) if are_colors => Some("2.7.3/2"),
         (Phase::StoredValue, Some("2.8.1/1")) if are_colors => Some("2.8.1/4"),
