@@ -225,7 +225,7 @@ fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> C
 }
 
 /// Reason why a run with a faulty wrapper ends at first contact.
-const FIX_THE_WRAPPER: &str = "the run ended at first contact: fix the wrapper first, because its faults would make most cases fail";
+const FIX_THE_WRAPPER: &str = "the run ended after the initial checks: fix the wrapper first, because its faults would make most cases fail";
 
 /// Remark about a decoder that never answered in serve mode.
 const SERVE_MODE_FAILED: &str =

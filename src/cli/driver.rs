@@ -68,7 +68,7 @@ impl<'a, C: Reportable> Check<'a, C> {
             circumstances,
             partial: (partial, file),
             writer,
-            progress: ProgressLine::new("first contact"),
+            progress: ProgressLine::new("initial checks"),
             speed_hint: "",
             recorder,
         })

@@ -111,7 +111,7 @@ impl Subject {
             }
         }
         if args.reject_exit.is_none() {
-            let why = "without --reject-exit, the refusals of a program called by --cmd cannot be recognized";
+            let why = "without --reject-exit, the refusals of a program called through --cmd cannot be recognized";
             let refusal = |case: &Case| match case.expect {
                 Expect::Decode | Expect::Spelling => None,
                 _ => Some(why.to_owned()),
@@ -134,7 +134,7 @@ fn open_outputs(directory: &Path, suite: &Suite) -> Result<Outputs, String> {
         let (count, first) = (unmatched.len(), &unmatched[..unmatched.len().min(5)]);
         let first = first.join(", ");
         super::output::print_error(&format!(
-            "ptm-conform: {count} files in the output directory match no request: {first}"
+            "ptm-conform: no request matches these files in the output directory ({count} in total): {first}"
         ));
     }
     Ok(outputs)

@@ -53,7 +53,7 @@ fn read_as(format: ImageFormat, bytes: &[u8], max_bytes: usize) -> Result<Frame,
     // Check the size before allocating memory for the texels.
     if decoder.total_bytes() > max_bytes as u64 {
         return Err(format!(
-            "the image has {width} x {height} texels, more than the requested file"
+            "the image has {width} x {height} texels, more than the PTM file"
         ));
     }
     let color = decoder.color_type();

@@ -106,7 +106,7 @@ fn write_diagnoses(report: &Report, failures: &[&CaseResult], out: &mut String) 
         let [known, new, fixed] = [&list.known, &list.new, &list.stale].map(Vec::len);
         writeln!(
             out,
-            "{known} of {all} failures are known and {new} are new; {fixed} known failures were fixed.\n"
+            "Known failures: {known} of {all}; new failures: {new}; fixed: {fixed}.\n"
         )?;
     }
     if !report.diagnoses.is_empty() {

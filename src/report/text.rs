@@ -226,7 +226,7 @@ impl<C: TestCase> Page<'_, C> {
         let weak = report.cases.iter().filter(|case| case.weak).count();
         if weak > 0 {
             let why = "their exit status may also mean a crash, so they prove less than refusals with status 65";
-            writeln!(out, "{weak} refusals are weak: {why}")?;
+            writeln!(out, "weak refusals: {weak}; {why}")?;
         }
         writeln!(out, "{}", report.scores)
     }

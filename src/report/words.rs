@@ -82,7 +82,7 @@ pub(super) fn call_instructions(suite: SuiteName, command: &str) -> String {
             "The functions raw(file), coef(file) and rgb(file, lu, lv) take the bytes of a file and return an image; see the README of the package.".to_owned()
         }
         SuiteName::Ptm if command.contains("{in}") => {
-            "A program called by --cmd reads the file {in} and writes an image to {out}, or prints it; see docs/check.md.".to_owned()
+            "A program called through --cmd reads the file {in} and writes an image to {out}, or prints it; see docs/check.md.".to_owned()
         }
         SuiteName::Ptm => format!(
             "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw, it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find the fault step by step, run: ptm-conform probe DECODER"

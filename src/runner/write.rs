@@ -62,7 +62,7 @@ impl Decoder {
         let template = self
             .template
             .as_ref()
-            .expect("a writer is called by a template");
+            .expect("a writer is called through a template");
         let mut workspace = scratch.workspace()?;
         let mut inputs: Vec<(PathBuf, &[u8])> = Vec::new();
         let mut request = call.request.to_owned();

@@ -202,7 +202,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
             (Expect::Lenient | Expect::Robust, _)
                 if !self.twins.is_empty() && !self.twins.iter().any(is_right) =>
             {
-                verdict(Outcome::Inconclusive, "its twin was decoded wrongly")
+                verdict(Outcome::Inconclusive, "its twin was decoded incorrectly")
             }
             (Expect::ImplementationDefined, _) => verdict(
                 Outcome::ImplementationDefined,

@@ -171,7 +171,7 @@ pub(super) fn scoreboard(context: PageContext) -> SiteFile {
         form.tools {
             label for="list-filter" { "Filter" }
             input #list-filter type="search" placeholder="a clause or a word" autocomplete="off" spellcheck="false";
-            label.check { input #differing type="checkbox"; " only clauses for which readers differ" }
+            label.check { input #differing type="checkbox"; " only clauses on which readers differ" }
             span #list-found role="status" aria-live="polite" {}
         }
         div.scroll.tall tabindex="0" { table.matrix.filtered {

@@ -156,7 +156,7 @@ impl<V: RequestValues> TestCase for FileCase<V> {
 
     const VIEWS: &'static [&'static str] = &["write"];
     const CHOICES: Choices<()> = Choices(&[]);
-    const ACCEPTED_MESSAGE: &'static str = "wrote a file although no legal file exists";
+    const ACCEPTED_MESSAGE: &'static str = "wrote a file, although no legal file has these values";
     const UNSUPPORTED_MESSAGE: &'static str =
         "exited with 69 (unsupported), but writes other files of this kind";
 

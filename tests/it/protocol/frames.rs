@@ -103,7 +103,7 @@ fn malformed_netpbm_files_are_refused() {
         (&b"P6\n2 1\n255\n12345"[..], ""),
         (b"P6\n2 1\n255\n1234567", "1 bytes follow the end"),
         (b"P6\n4294967295 4294967295\n255\n1", ""),
-        (b"P6\n60000 60000\n255\n1", "more than the requested file"),
+        (b"P6\n60000 60000\n255\n1", "more than the PTM file"),
         (b"P6\n99999999999 1\n255\n1", ""),
         (b"P6\n2 1\n65535\n123456123456", "16 bits per sample"),
         (b"P6\n2 1\n15\n123456", "the largest value is 15, not 255"),
@@ -209,7 +209,7 @@ fn huge_images_are_refused_before_allocation() {
         let error = read(&file, &rgb(), MAX_DECOMPRESSED_BYTES).expect_err("an error");
         assert!(error.starts_with(name), "{error}");
         assert!(
-            error.contains("texels, more than the requested file"),
+            error.contains("texels, more than the PTM file"),
             "{error}"
         );
     }
@@ -342,7 +342,7 @@ fn malformed_pngs_are_refused() {
     let (gray, black) = (ColorType::Grayscale, vec![0; 4_000_000]);
     let large = png(gray, BitDepth::Eight, (2000, 2000), &black);
     assert!(large.len() < 50_000);
-    assert_refused(&large, "more than the requested file");
+    assert_refused(&large, "more than the PTM file");
     let mut damaged = valid;
     let stream = damaged.windows(4).position(|name| name == b"IDAT");
     damaged[stream.expect("a stream") + 8] ^= 1;

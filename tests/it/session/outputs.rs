@@ -98,7 +98,7 @@ version-1-3-lrgb.png | x | two answers for version-1-3-lrgb",
         }
     }
     write("Thumbs.db", "");
-    let says = "match no request:  && Thumbs.db";
+    let says = "no request matches these files && Thumbs.db";
     assert_contains(&check(&here).text, says);
 }
 
