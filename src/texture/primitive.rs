@@ -29,11 +29,11 @@ enumerants! {
 #[cfg_attr(feature = "harness", derive(serde::Deserialize))]
 #[cfg_attr(feature = "harness", serde(default, deny_unknown_fields))]
 pub struct Surface {
-    /// Style of the front, or of both sides if facets are not distinguished.
+    /// Style of the front, or of both sides if front and back are not distinguished.
     pub interior_style: InteriorStyle,
     /// Table indices of the active textures.
     pub active: Vec<i64>,
-    /// Style of the back, if facets are distinguished.
+    /// Style of the back, if front and back are distinguished.
     pub bf_interior_style: InteriorStyle,
     /// Table indices of the active textures of the back.
     pub bf_active: Vec<i64>,
