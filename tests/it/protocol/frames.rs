@@ -208,10 +208,7 @@ fn huge_images_are_refused_before_allocation() {
     for (name, file) in oversized_frames() {
         let error = read(&file, &rgb(), MAX_DECOMPRESSED_BYTES).expect_err("an error");
         assert!(error.starts_with(name), "{error}");
-        assert!(
-            error.contains("texels, more than the PTM file"),
-            "{error}"
-        );
+        assert!(error.contains("texels, more than the PTM file"), "{error}");
     }
 }
 
