@@ -18,7 +18,7 @@ pub fn run(args: &UnsupportedArgs) -> CommandResult {
     let words = args.words.iter().map(|word| word.to_string_lossy());
     let words = words.collect::<Vec<_>>().join(" ");
     let says = format!(
-        "`check {words}` needs Linux, macOS or WSL, because this system cannot limit the decoder as required. For your own tests, `ptm-conform generate --profile standard` writes files and correct answers on this system, too"
+        "`check {words}` needs Linux, macOS or WSL: this system cannot limit the decoder as required. For your own tests, `ptm-conform generate --profile standard` writes files and correct answers on this system, too"
     );
     Err(says.into())
 }

@@ -130,7 +130,7 @@ impl<'a, C: Reportable> ReportWriter<'a, C> {
             0 => String::new(),
             count => format!("{title}: {count}\n  {}\n", ids.join("\n  ")),
         };
-        let new = list("new failures (not in the list)", &comparison.new);
+        let new = list("new failures (not in the baseline)", &comparison.new);
         let stale = list("stale, listed but passing", &comparison.stale);
         print(&format!(
             "known failures: {}\n{new}{stale}",

@@ -58,7 +58,7 @@ pub fn predict_readers(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPre
             let ptm = dissection.outcome.as_ref().map_err(|_| says.to_owned());
             let converted = ptm.and_then(|ptm| convert_for(&dissection, ptm, &[profile]));
             let fix = converted.map(|(format, _)| {
-                format!("`ptm-conform convert --for {name}` writes the same map as {format}")
+                format!("`ptm-conform convert --for {name}` writes this map as {format}")
             });
             prediction.fix = Some(fix.unwrap_or_else(|why| why));
         }

@@ -226,7 +226,7 @@ fn compare_with_reference(file: &[u8], view: &View, answer: &Answer) -> Result<S
             let others = readings.filter(|&(_, &taken)| taken > 0);
             let names = others.map(|(choice, &taken)| choice.readings[taken].0);
             let names: Vec<&str> = names.collect();
-            Ok(format!("correct in this reading: {}", names.join("; ")))
+            Ok(format!("correct under this reading: {}", names.join("; ")))
         }
         (Answer::Decoded(_), Err(error)) if error.class() == Class::Malformed => Err(format!(
             "shows an image of a file that the reference refuses: {error}"

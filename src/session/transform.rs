@@ -100,7 +100,7 @@ fn common_transform(view: ViewKind, images: &[FirstImage]) -> Option<CommonTrans
     let (says, all) = (change.effect, images.len());
     let effect = match count == all {
         true => format!("{says}, in all of the first files"),
-        false => format!("{says}, in {count} of {all} first files"),
+        false => format!("{says}, in {count} of the first {all} files"),
     };
     Some(CommonTransform { effect, ..change })
 }

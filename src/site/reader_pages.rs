@@ -104,7 +104,7 @@ fn render_profile(profile: &ReaderProfile) -> Markup {
             @if !profile.limits.is_empty() {
                 dt { "Limits" } dd { ul.plain { @for known in &profile.limits { li { "The reader " (known.limit.behavior) " (" (basis(known.evidence)) ")." } } } }
             }
-            dt { "Prediction" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts the output of the reader for a file." }
+            dt { "Prediction" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts the reader's output for a file." }
         }
     }
 }

@@ -10,7 +10,7 @@ use crate::suite::clauses::{Ruling, RulingKind};
 pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {
     let rulings = &context.library.rulings;
     let list = html! {
-        p.lead { "Rulings answer the questions that the text leaves open. Each page states this suite's reading, those of public readers, and whether other readings fail." }
+        p.lead { "Rulings answer the questions that the text leaves open. Each page states how this suite and public readers read the text, and whether other readings fail." }
         (PageContext::descriptions(&context.library.texts.ruling_kinds, &["must", "choice", "lenient"]))
         div.scroll tabindex="0" { table.list {
             thead { tr { th scope="col" { "ruling" } th scope="col" { "kind" } th scope="col" { "question" } } }

@@ -119,7 +119,7 @@ impl CaseRecord {
         if let (Source::Hand(..), Some(values)) = (of, &self.values) {
             let known = values.views()?;
             if let Some(unknown) = views.iter().find(|view| !known.contains(view)) {
-                return Err(format!("the values of the case lack the view {unknown}"));
+                return Err(format!("the case has no values for the view {unknown}"));
             }
         }
         Ok(views)

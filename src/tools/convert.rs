@@ -37,7 +37,7 @@ impl Target {
         let is_jpeg = format.coding() == Some(Coding::Jpeg);
         match self.quality {
             None if is_jpeg => Err(format!(
-                "quality: expected 20 to 100, because {format} is lossy; JPEGLS formats can be exact"
+                "quality: expected 20 to 100 for the lossy format {format}; JPEGLS formats can be exact"
             )),
             Some(_) if !is_jpeg => Err(format!("quality is for JPEG formats, not for {format}")),
             _ if self.loss > 0 && (is_jpeg || format.coding().is_none()) => {

@@ -64,7 +64,7 @@ impl Phase {
                 "follow one reading of the question in all files",
             ],
             Phase::NoReading => [
-                "shows an image that is wrong in every reading of the file",
+                "shows an image that is wrong under every reading of the file",
                 "show the image that follows one of the readings, or exit with 65",
             ],
             Phase::Rearranged => [

@@ -70,7 +70,7 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         ServeResult::Ended(_) => return Err(None),
         ServeResult::Fault(fault) => return Err(Some((1, fault))),
     }
-    list.add_good("serve: the first request is answered at once, as in one-shot mode");
+    list.add_good("serve: the first response comes immediately and equals the one-shot response");
     match dialog.ask(2, view, &malformed) {
         ServeResult::Answer(line, _) => {
             let code = line.trim_end().strip_prefix("2 reject ");

@@ -196,7 +196,7 @@ fn known_failures_are_not_reported_as_new() {
     let text = here.exits(1, &wrong("--baseline fewer.yaml"));
     assert_contains(
         &text,
-        "new failures (not in the list): 1\n  version-1-3-lrgb\n",
+        "new failures (not in the baseline): 1\n  version-1-3-lrgb\n",
     );
 
     // A listed case that passes is stale. Cases that were not selected are ignored.

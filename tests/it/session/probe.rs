@@ -305,7 +305,7 @@ fn serve_mode_is_compared_with_one_shot_mode() {
     assert_copies_probed(
         "
 1 | for y in reversed(range(height)) for | for y in range(height) for
-  | the rows are upside down && ✓ serve: the first request is answered at once, as in one-shot mode",
+  | the rows are upside down && ✓ serve: the first response comes immediately and equals the one-shot response",
     );
     let copy = edit(
         &decoder,
