@@ -127,7 +127,7 @@ fn unexpected_arguments_are_explained() {
     assert_scripts_probed(
         r#"
 3 | [ -f decoder ] || { echo "no tables next to this program" >&2; exit 1; }↵right "$@"
-  | the decoder works only in your directory && next to itself
+  | the decoder works only in your working directory && next to itself
 3 | cat > in.ptm↵right "$1" in.ptm || exit 1 | reads the PTM from standard input && last argument
 3 | [ $# = 1 ] || exit 1↵cat > in.ptm↵right "$1" in.ptm | takes no FILE
 3 | [ $# = 0 ] || exit 1↵cat > in.ptm↵right raw in.ptm | takes no arguments
