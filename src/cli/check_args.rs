@@ -164,7 +164,7 @@ impl CheckArgs {
         };
         let mut limits = self.run.calls.describe_limits();
         limits.extend([
-            "standard output: 4 times the largest frame of the file, plus 64 KiB".to_owned(),
+            "standard output: 4 times the size of the file's largest frame, plus 64 KiB".to_owned(),
             "files: 4 GiB each, no core dumps".to_owned(),
             format!("processes: the process group of a call{killed} killed when the call ends"),
             "input: each file is compared with its original bytes after the call, and must be unchanged".to_owned(),

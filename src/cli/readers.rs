@@ -54,7 +54,7 @@ pub fn predict_readers(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPre
         let mut prediction = subject.predict(profile);
         if prediction.result != Rendering::Right {
             let (dissection, name) = (Dissection::parse(file), &profile.name);
-            let says = "write the file again from its source; `lint` lists the errors";
+            let says = "regenerate the file from its source; `lint` lists the errors";
             let ptm = dissection.outcome.as_ref().map_err(|_| says.to_owned());
             let converted = ptm.and_then(|ptm| convert_for(&dissection, ptm, &[profile]));
             let fix = converted.map(|(format, _)| {

@@ -411,7 +411,7 @@ fn read_answer(
 fn read_frame(bytes: &[u8], length: u64, max_bytes: usize) -> Result<Option<Answer>, String> {
     if length > max_bytes as u64 {
         return Err(format!(
-            "the answer announces {length} bytes, but no frame of that file has more than {max_bytes}"
+            "the answer announces {length} bytes, but no frame of the PTM file has more than {max_bytes}"
         ));
     }
     let Some(frame) = bytes.get(..length as usize) else {

@@ -70,7 +70,7 @@ impl Template {
             |piece: &TemplatePiece| matches!(piece, TemplatePiece::In | TemplatePiece::Value(_));
         if !template.pieces().any(is_input) {
             return Err(format!(
-                "the command has no placeholder for the request: {{in}}, {{{}}}",
+                "the command needs a placeholder for the request: {{in}}, {{{}}}",
                 names.join("}, {")
             ));
         }

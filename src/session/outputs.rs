@@ -259,7 +259,7 @@ fn read(path: &Path, limit: usize) -> Result<Vec<u8>, String> {
     let fault = match read {
         Err(error) => error.to_string(),
         Ok(0) => "is empty".to_owned(),
-        Ok(length) if length > limit => "is larger than any image of that file".to_owned(),
+        Ok(length) if length > limit => "is larger than any image of the PTM file".to_owned(),
         Ok(_) => return Ok(bytes),
     };
     Err(format!("its output file {fault}"))

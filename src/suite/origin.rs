@@ -115,7 +115,7 @@ impl Map<'_> {
         for (i, _) in records.filter(|(_, record)| number(record[..4].iter()) == self.texel) {
             let start = side.start + 5 * i;
             let text =
-                format!("record {i} of the side information of the plane corrects this texel");
+                format!("record {i} of the plane's side information corrects this texel");
             origins.push((text, "2.9.8/5", start..start + 5));
         }
         Some(origins)

@@ -36,7 +36,7 @@ impl Suite<FitCase> {
         let generated = SETS.iter().map(ImageSource::Generated);
         let sources = generated.chain(user_set.cloned().map(ImageSource::Provided));
         let cases = sources.flat_map(|source| {
-            const OWN: &str = "The request contains the images that --lp lists.";
+            const OWN: &str = "The request contains the images that the --lp file lists.";
             let (name, because, clause) = match &source {
                 ImageSource::Generated(plan) => (&*plan.name, &*plan.because, &*plan.clause),
                 ImageSource::Provided(_) => ("own", OWN, "1.0/1"),
