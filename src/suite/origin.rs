@@ -114,8 +114,7 @@ impl Map<'_> {
         let records = self.file.get(side.clone())?.chunks_exact(5).enumerate();
         for (i, _) in records.filter(|(_, record)| number(record[..4].iter()) == self.texel) {
             let start = side.start + 5 * i;
-            let text =
-                format!("record {i} of the plane's side information corrects this texel");
+            let text = format!("record {i} of the plane's side information corrects this texel");
             origins.push((text, "2.9.8/5", start..start + 5));
         }
         Some(origins)

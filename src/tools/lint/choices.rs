@@ -76,7 +76,7 @@ fn diagnose_tables(findings: &mut Findings, ptm: &Ptm) {
     findings.add(Problem::ChoiceLutCount, Role::Count, spelling);
     let with_newline = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);
     if let Some(difference) = difference(dissection, ptm, None, &with_newline) {
-        let found = format!("for a reader that expects a line feed, {difference}");
+        let found = format!("for a reader that expects a line feed after the table, {difference}");
         findings.add(Problem::ChoiceLutNewline, Role::Indices, found);
     }
 }
