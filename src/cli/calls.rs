@@ -52,9 +52,7 @@ impl LimitArgs {
         let (seconds, size) = (self.timeout, self.memory >> 20);
         let memory = match processes::can_inspect_processes() {
             true => {
-                format!(
-                    "{size} MiB of resident memory for all processes of a call (measured by sampling)"
-                )
+                format!("{size} MiB resident in all processes of a call (measured by sampling)")
             }
             false => "not limited, because this system has no /proc".to_owned(),
         };

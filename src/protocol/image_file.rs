@@ -93,7 +93,7 @@ fn check_full_range(bytes: &[u8]) -> Result<(), String> {
     let header = decoder.header();
     match (header.subtype(), header.maximal_sample()) {
         (PnmSubtype::Bitmap(_), _) | (_, 255) => Ok(()),
-        (_, largest) => Err(format!("the maximum value (maxval) is {largest}, not 255")),
+        (_, largest) => Err(format!("the maxval is {largest}, not 255")),
     }
 }
 
