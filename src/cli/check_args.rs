@@ -168,7 +168,7 @@ impl CheckArgs {
             "files: 4 GiB each, no core dumps".to_owned(),
             format!("processes: the process group of a call{killed} killed when the call ends"),
             "input: each file is compared with its original bytes after the call, and must be unchanged".to_owned(),
-            "locale: C; the first files are repeated in a locale with a decimal comma, if there is one"
+            "locale: C; the first files are requested again in a locale with a decimal comma, if the system has one"
                 .to_owned(),
         ]);
         if serves {

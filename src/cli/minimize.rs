@@ -108,7 +108,7 @@ fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
     for cause in causes.iter().filter(|_| causes.len() <= MAX_CAUSES) {
         let (slug, effect, clause) = (cause.slug, cause.effect, cause.clause);
         print(&format!(
-            "a decoder that {effect} (clause {clause}) gives the same responses for both files; more: ptm-conform explain {slug}\n"
+            "a decoder that {effect} (clause {clause}) gives the same responses for the original and the reduced file; more: ptm-conform explain {slug}\n"
         ));
     }
 }

@@ -168,7 +168,7 @@ fn convert<C: Reportable>(command: &ReportCommand, reports: &[Report]) -> Comman
                 cases => report.cases_to_text(&suite, id_filter(cases)?),
             };
             if text.is_empty() {
-                let says = "no case in the report matches";
+                let says = "no case in the report matches the pattern";
                 return Err(CommandError::new(EXIT_NOTHING_SELECTED, says));
             }
             super::terminal::print_styled(&escape_control_characters(&text));

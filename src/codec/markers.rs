@@ -72,7 +72,7 @@ impl<'a> Cursor<'a> {
             [] => Err(malformed(0, "the stream is empty")),
             [0xFF, SOI, ..] => Ok(Cursor::new(stream, 2)),
             _ => {
-                let what = "the stream does not start with SOI, bytes FF D8";
+                let what = "the stream does not start with SOI (bytes FF D8)";
                 Err(malformed(0, what))
             }
         }

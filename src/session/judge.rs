@@ -129,7 +129,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
             Response::Rejected => match (expect, case.expected_text()) {
                 (Expect::ImplementationDefined, expected) => {
                     let expected = expected.unwrap_or_default();
-                    let says = format!("the reference answers {expected}; received a refusal");
+                    let says = format!("received a refusal; the reference answers {expected}");
                     verdict(outcome, says)
                 }
                 (_, Some(expected)) => fail(format!("expected {expected}, received a refusal")),

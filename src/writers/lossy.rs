@@ -84,7 +84,7 @@ impl<'a> LossyPlane<'a> {
         let pairs = self.requested.iter().zip(&self.decoded).enumerate();
         for (index, (&wanted, &found)) in pairs {
             if self.corrected.contains(&index) && wanted != found {
-                let why = "the record of side information for the texel has a different value";
+                let why = "the side information record for the texel has a different value";
                 return Err(self.fault("2.9.8/8", index, why));
             }
             if wanted.abs_diff(found) > 128 {

@@ -98,7 +98,7 @@ SOI FF DB 00 43 00 C8*64 SOF DHT0 FF C4 00 15 10 00 02 00*14 00 0A SOS 3F 41 EOI
 
 const JPEG_ERRORS: &str = "
  | byte 0: the stream is empty
-EOI | byte 0: the stream does not start with SOI, bytes FF D8
+EOI | byte 0: the stream does not start with SOI (bytes FF D8)
 SOI | byte 2: the stream ends before a marker
 SOI FF | byte 3: the stream ends before the code of a marker
 SOI 00 | byte 2: expected a marker, found byte 00
@@ -207,7 +207,7 @@ SOI SOF SOS F7 EOI | 00
 /// Invalid streams. In the last row, an empty run, 22 zeros, a one and 1111 1111 encode the mapped error 256, which is too large.
 const JPEG_LS_ERRORS: &str = "
  | byte 0: the stream is empty
-D8 FF | byte 0: the stream does not start with SOI, bytes FF D8
+D8 FF | byte 0: the stream does not start with SOI (bytes FF D8)
 SOI FF C0 | byte 2: expected a JPEG-LS frame header, found marker FFC0
 SOI EOI | byte 2: expected a JPEG-LS frame header, found marker FFD9
 SOI SOF SOF | byte 15: expected the scan header, found marker FFF7

@@ -121,7 +121,7 @@ side-sizes 8 5 ; side 8 FF FF FF FF 07 | compressed data (§2.9.8), byte 457:
   a record refers to texel 4294967295, but the last texel is 0
 sizes 2 0 ; stream 2 | compressed data (§2.9.8), byte 260: plane 2: the stream is empty
 sizes 2 2 ; stream 2 D8 FF | compressed data (§2.9.8), byte 260:
-  plane 2: the stream does not start with SOI, bytes FF D8
+  plane 2: the stream does not start with SOI (bytes FF D8)
 sizes 2 4 ; stream 2 FF D8 FF C0 | compressed data (§2.9.8), byte 262:
   plane 2: expected a JPEG-LS frame header, found marker FFC0
 sizes 2 15 ; stream 2 FF D8 FF F7 00 0B 08 00 01 00 02 01 01 11 00 | compressed data (§2.9.8), byte 268:
