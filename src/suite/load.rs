@@ -78,7 +78,7 @@ MAKE    spelling: { size_lines: one } => line 1: case a: expected 2 or 1 for siz
 MAKE    compression: { baseline: yes } => line 1: case a: expected true or false for baseline, found "yes"
 MAKE    scene: nose => line 1: case a: unknown scene
 MAKE  views: [coefs] => line 1: case a:
-  expect: decode↵  bytes: [{ is: format, text: "PTM_FORMAT_LRGB\n" }]↵  values: { size: 1x1, raw: [1 2 3 4 5 6 7 8 9] }↵  views: [coef] => line 1: case a: the values of the case lack the view coef
+  expect: decode↵  bytes: [{ is: format, text: "PTM_FORMAT_LRGB\n" }]↵  values: { size: 1x1, raw: [1 2 3 4 5 6 7 8 9] }↵  views: [coef] => line 1: case a: the case has no values for the view coef
   expect: reject↵  twin_of: b↵  damage: width-zero => line 1: case a: the twin b must precede the case
 "#;
 
