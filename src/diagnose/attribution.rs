@@ -156,12 +156,8 @@ fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[
     let contradictions = read + search.contradictions(&[member.id]).len();
     let is_guess = || acceptances::describe_observation(witnesses, explained, misreading).is_some();
     let mode = |w: &usize| FailureMode::new(&witnesses[*w]);
-    let is_signal = |w: &usize| {
-        let Some(FailureMode::Crashes(details)) = mode(w) else {
-            return false;
-        };
-        matches!(ProcessEnd::parse(&details), Some(ProcessEnd::Signal(_)))
-    };
+    let signal = |text: &str| matches!(ProcessEnd::parse(text), Some(ProcessEnd::Signal(_)));
+    let is_signal = |w| matches!(mode(w), Some(FailureMode::Crashes(text)) if signal(&text));
     let images = |indices: &[usize]| indices.iter().filter(|w| mode(w).is_none()).count();
     let is_hidden = misreading.symptom != Symptom::Refusals && images(explained) == 0;
     let is_single = matches!(explained[..], [w] if witnesses[w].case.expect == Expect::Decode);

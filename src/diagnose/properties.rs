@@ -227,16 +227,15 @@ fn prediction_properties(f: &File) -> [Property; 14] {
     let has_records = |plane: usize| !f.planes[plane].records.is_empty();
     let corrected = || (0..f.planes.len()).filter(|&plane| has_records(plane));
     let is_corrected = corrected().next().is_some();
+    let is_exact = is_corrected && has(|plan| plan.parameter == 0);
     let displaces = has(Compression::displaces);
+    let inverts = has(Compression::inverts);
     let corrects_intra = corrected().any(|plane| reference(plane).is_none());
     let corrects_predicted = corrected().any(|plane| reference(plane).is_some());
     [
         ("2.9.5/4 with predicted planes", has(Compression::predicts)),
         ("2.9.2/1 with a transform other than 0", is_transformed),
-        (
-            "2.9.2/3 with inverted references",
-            has(Compression::inverts),
-        ),
+        ("2.9.2/3 with inverted references", inverts),
         ("2.9.2/4 with displaced references", displaces),
         (
             "2.9.2/6 with references that are both inverted and displaced",
@@ -248,10 +247,7 @@ fn prediction_properties(f: &File) -> [Property; 14] {
         ("2.9.4/2 with prediction from a later plane", is_later),
         ("2.9.4/2 with prediction from a predicted plane", is_chained),
         ("2.9.8/4 with side information", is_corrected),
-        (
-            "2.9.8/4 with side information although the parameter is 0",
-            is_corrected && has(|plan| plan.parameter == 0),
-        ),
+        ("2.9.8/4 with side information and parameter 0", is_exact),
         (
             "2.9.8/7 with side information for intra-coded planes",
             corrects_intra,

@@ -11,9 +11,8 @@ use crate::misreadings::texture::{Change, all};
 use crate::protocol::frame::Answer;
 use crate::session::{observation::Response, outcome::Outcome, run::Run};
 use crate::suite::cases::{Expect, Suite};
-use crate::suite::test_case::TestCase;
-use crate::suite::texture::cases::TextureCase;
 use crate::suite::texture::{choices::CHOICES, compare::difference};
+use crate::suite::{test_case::TestCase, texture::cases::TextureCase};
 use crate::texture::Rules;
 
 /// Returns a small set of misreadings that explains the failures of `run`, the misreading with the most failures first.

@@ -110,8 +110,7 @@ impl<C: TestCase> Session<'_, C> {
                 return false;
             }
             if differs {
-                let varies =
-                    |third: &Observation<C>| !third.response.is_equivalent(&alone.response);
+                let varies = |last: &Observation<C>| !last.response.is_equivalent(&alone.response);
                 let in_serve_mode = is_serving && !once_more.as_ref().is_some_and(varies);
                 let message = difference(in_serve_mode, &first, &alone, once_more.as_ref());
                 first.nondeterminism = Some(Nondeterminism {

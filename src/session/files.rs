@@ -9,8 +9,7 @@ use serde::Serialize;
 
 use crate::decode::{decode_as, fields};
 use crate::error::Class;
-use crate::generate::spelling::Line;
-use crate::generate::{Model, Numbers, Recipe, Spelling, write};
+use crate::generate::{Model, Numbers, Recipe, Spelling, spelling::Line, write};
 use crate::protocol::frame::{Answer, View};
 use crate::ptm::{Coding, Field, Format, Limits, Ptm, Shape};
 use crate::reading::Reading;

@@ -5,8 +5,7 @@ use std::collections::BTreeSet;
 
 use crate::decode::decode;
 use crate::evaluate::{Coefficients, polynomial};
-use crate::generate::{Model, Recipe, write};
-use crate::generate::{plan::Residuals, spelling::Count};
+use crate::generate::{Model, Recipe, plan::Residuals, spelling::Count, write};
 use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use crate::ptm::{Coding, Format, Ptm, Shape, Size};
 use crate::runner::run::Request;

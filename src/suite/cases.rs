@@ -9,8 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use super::compare::Expected;
 use super::values::{HandPiece, HandValues, Values};
-use crate::generate::{Damage, Model, Recipe, write};
-use crate::generate::{plan::Compression, spelling::Count};
+use crate::generate::{Damage, Model, Recipe, plan::Compression, spelling::Count, write};
 use crate::protocol::frame::View;
 use crate::ptm::{Field, Format};
 

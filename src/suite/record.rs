@@ -9,8 +9,7 @@ use super::values::{HandPiece, HandValues, format_of};
 use super::words::Words;
 use super::{damages, recipes::MakeRecord};
 use crate::codec::Coding;
-use crate::generate::{Model, Recipe, write};
-use crate::generate::{plan::Residuals, spelling::Count};
+use crate::generate::{Model, Recipe, plan::Residuals, spelling::Count, write};
 use crate::protocol::frame::View;
 
 /// A record of a case file. With `for_each`, it defines a case for every combination of the listed words.

@@ -9,8 +9,7 @@
 //! - The colors of LUM depend on three open questions, so LUM is not converted to any other format.
 
 use crate::decode::decode;
-use crate::generate::plan::Residuals;
-use crate::generate::{Model, Recipe, write};
+use crate::generate::{Model, Recipe, plan::Residuals, write};
 use crate::ptm::{Coding, Format, Ptm, Shape};
 use crate::tools::dissection::{Dissection, Role};
 use crate::tools::{describe_position, join_texts};

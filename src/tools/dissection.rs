@@ -8,8 +8,7 @@ use std::ops::Range;
 
 use serde::Serialize;
 
-use crate::decode::texels::blocks;
-use crate::decode::{Streams, examine, examine_streams};
+use crate::decode::{Streams, examine, examine_streams, texels::blocks};
 use crate::error::{Error, Kind};
 use crate::ptm::{Field, Format, Ptm, Size};
 

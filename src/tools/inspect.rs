@@ -9,8 +9,7 @@ use serde::Serialize;
 use crate::error::{Class, Kind};
 use crate::ptm::{Format, Size, channel_name};
 use crate::tools::dissection::{Dissection, FilePart, Role, index_values};
-use crate::tools::segments::segments;
-use crate::tools::{describe_position, join_texts, texel_index};
+use crate::tools::{describe_position, join_texts, segments::segments, texel_index};
 
 /// Maximum number of table entries or records that are displayed unless all are requested.
 const MAX_ENTRIES: usize = 8;

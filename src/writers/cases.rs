@@ -5,8 +5,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::diagnose::Diagnosis;
-use crate::generate::{Model, Recipe};
-use crate::generate::{plan::Residuals, recipe::Indices};
+use crate::generate::{Model, Recipe, plan::Residuals, recipe::Indices};
 use crate::kit::yaml::records;
 use crate::misreadings::Misreading;
 use crate::ptm::{Coding, Format, ScaleBias};

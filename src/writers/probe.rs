@@ -7,10 +7,8 @@ use crate::runner::run::{Decoder, Reply};
 use crate::runner::scratch::Scratch;
 use crate::session::probe::Checklist;
 use crate::suite::cases::Suite;
-use crate::writers::asking;
-use crate::writers::cases::WriterCase;
-use crate::writers::judge::judge;
-use crate::writers::misread_file::explains;
+use crate::writers::{asking, cases::WriterCase};
+use crate::writers::{judge::judge, misread_file::explains};
 use crate::writers::{reference::write_requested_file, test_case::WrittenFile};
 
 /// Runs all steps of the checklist against `writer`.

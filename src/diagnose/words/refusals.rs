@@ -3,8 +3,7 @@
 use super::{files_in_scope, share_text, shared_clause};
 use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
-use crate::diagnose::witness::Witness;
-use crate::diagnose::{failure_mode::FailureMode, scope::shared_scope};
+use crate::diagnose::{failure_mode::FailureMode, scope::shared_scope, witness::Witness};
 use crate::kit::last_message::last_message;
 use crate::misreadings::{Misreading, Symptom};
 use crate::ptm::Format;

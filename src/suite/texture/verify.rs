@@ -2,9 +2,8 @@
 
 use serde_json::Value;
 
-use crate::suite::texture::cases::TextureCase;
-use crate::suite::texture::choices;
 use crate::suite::texture::{compare::difference, fixtures, question::Refusal};
+use crate::suite::{texture::cases::TextureCase, texture::choices};
 use crate::texture::Rules;
 
 /// Tolerance for expected numbers that were computed by hand.

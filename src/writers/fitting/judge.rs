@@ -5,10 +5,9 @@
 
 use crate::decode::decode;
 use crate::ptm::Format;
-use crate::writers::fault::WriterFault;
-use crate::writers::fitting::optimum::optimum;
 use crate::writers::fitting::{photographs::ImageSet, polynomials::Polynomials};
 use crate::writers::judge::{check_lint, compare_map, refusal};
+use crate::writers::{fault::WriterFault, fitting::optimum::optimum};
 
 /// Tolerance for the error: a factor, and an additional number of 8-bit levels.
 const FIT_TOLERANCE: (f64, f64) = (1.25, 1.0);
