@@ -49,8 +49,8 @@ pub(super) fn attribute_failures(
         .into_iter()
         .filter_map(|whole| diagnose_whole_formats(search, &whole, found, &mut shares, &mut left))
         .collect();
-    for (index, member) in found.iter().enumerate() {
-        if is_weakly_supported(search, member, &shares[index], &left)
+    for index in 0..set.len() {
+        if is_weak(search, &set, index, &shares[index], &left)
             || is_incompatible(search, &set, &shares, index)
             || has_earlier_failures(search.witnesses, &shares[index].explains, &left)
             || is_minor(search.witnesses, &shares[index].explains, &left)
@@ -146,14 +146,16 @@ fn diagnose_whole_formats(
 /// - a single legal file supports it, without an image,
 /// - it explains a crash by a signal, and no image supports it, or
 /// - it changes values, no image supports it, and it explains fewer failures than there are unexplained images.
-fn is_weakly_supported(search: &Search, member: &Member, share: &Share, left: &[usize]) -> bool {
-    let Some(misreading) = search.mistakes[member.id].catalog_misreading() else {
+fn is_weak(search: &Search, set: &[MistakeId], i: usize, share: &Share, left: &[usize]) -> bool {
+    let Some(misreading) = search.mistakes[set[i]].catalog_misreading() else {
         return false;
     };
     let (witnesses, explained) = (search.witnesses, &share.explains);
-    let is_read = |w: &&usize| search.agreement(**w, &[member.id]) == Agreement::Contradiction;
+    let alone = &set[i..=i];
+    let refuses = |w, set| search.agreement(w, set) == Agreement::Contradiction;
+    let is_read = |w: &&usize| refuses(**w, alone) && refuses(**w, set);
     let read = search.failing().iter().filter(is_read).count();
-    let contradictions = read + search.contradictions(&[member.id]).len();
+    let contradictions = read + search.contradictions(alone).len();
     let is_guess = || acceptances::describe_observation(witnesses, explained, misreading).is_some();
     let mode = |w: &usize| FailureMode::new(&witnesses[*w]);
     let signal = |text: &str| matches!(ProcessEnd::parse(text), Some(ProcessEnd::Signal(_)));

@@ -84,11 +84,8 @@ impl FileScope {
                     true => ["least", "most"],
                     false => ["most", "least"],
                 };
-                let limit = match (words.starts_with("with {}"), *is_minimum, &*bound) {
-                    (true, false, "0") => "no".to_owned(),
-                    _ => format!("at {here} {bound}"),
-                };
-                let words = words.replace("{}", &limit);
+                let words = words.replace("{}", &format!("at {here} {bound}"));
+                let words = words.replace("with at most 0 ", "with no ");
                 format!("{words} (other files: at {there} {other})")
             }
         }
