@@ -20,6 +20,8 @@ fn build(package: &Path) {
         Command::new("cargo")
             .args(["build", "--quiet", "--release", "--locked"])
             .args(["--target", TARGET, "--target-dir", DIRECTORY])
+            .arg("--config=profile.release.package.'*'.opt-level=0")
+            .arg("--config=profile.release.package.ptm-conform.opt-level=1")
             .env("RUSTFLAGS", "-D warnings")
             .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
             .env("CARGO_PROFILE_RELEASE_LTO", "off")
