@@ -73,8 +73,8 @@ struct TextureRenderArgs {
     /// The light on the surface.
     #[arg(long, value_name = "LU,LV", default_value = "-0.4,0.5", allow_hyphen_values = true, value_parser = parse_light)]
     light: (f64, f64),
-    /// Fields of the table entry, in YAML. Omitted fields have their fallback values, with two exceptions that show more: the
-    /// shape's own coordinates (`parameterization: FloatData`) and `rendering_control: PreLight`.
+    /// Fields of the table entry, in YAML. Omitted fields default to their fallback values, except for two that make the
+    /// effect visible: `parameterization: FloatData` (the shape's own coordinates) and `rendering_control: PreLight`.
     #[arg(long, value_name = "YAML", default_value = "{}")]
     entry: String,
     /// Generate mipmap levels for the map with a box filter.

@@ -85,7 +85,7 @@ impl Recipe {
     /// Returns the recipe of a default file: noise, with scales and biases that keep most colors between 0 and 255.
     ///
     /// # Panics
-    /// Never panics, because all number strings are valid.
+    /// Panics only if a constant is not a valid number, which would be a bug.
     #[must_use]
     pub fn ordinary(format: Format, size: Size) -> Recipe {
         let numbers = "the constants are valid numbers";

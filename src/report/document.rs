@@ -207,10 +207,10 @@ impl Report {
     /// Returns the first cause that reproduces this failure, or else the first cause that partly explains it.
     #[must_use]
     pub fn cause_of(&self, case: &CaseResult) -> Option<&LikelyCause> {
-        let with = |of: fn(&LikelyCause) -> &[String]| {
+        let find_in = |cases: fn(&LikelyCause) -> &[String]| {
             let mut causes = self.diagnoses.iter();
-            causes.find(|cause| of(cause).contains(&case.id))
+            causes.find(|cause| cases(cause).contains(&case.id))
         };
-        with(|cause| &cause.explains).or_else(|| with(|cause| &cause.partial))
+        find_in(|cause| &cause.explains).or_else(|| find_in(|cause| &cause.partial))
     }
 }

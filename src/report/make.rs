@@ -148,9 +148,9 @@ fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> 
         (Allowance::AnotherTransform, others.to_owned()),
         (Allowance::Lossy, lossy),
     ];
-    remarks.into_iter().filter_map(|(of, says)| {
-        let is_of = |seen: &&Observation<C>| matches!(seen.response, Response::Image { allowance, .. } if allowance == of);
-        let count = run.observations.iter().flatten().filter(is_of).count();
+    remarks.into_iter().filter_map(|(kind, says)| {
+        let has_kind = |seen: &&Observation<C>| matches!(seen.response, Response::Image { allowance, .. } if allowance == kind);
+        let count = run.observations.iter().flatten().filter(has_kind).count();
         (count > 0).then(|| Remark::note(format!("{count} {says}")))
     })
 }
@@ -219,5 +219,5 @@ fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
 }
 
 fn slugs<A: 'static>(misreadings: &[&Misreading<A>]) -> Vec<String> {
-    misreadings.iter().map(|of| of.slug.to_owned()).collect()
+    misreadings.iter().map(|one| one.slug.to_owned()).collect()
 }

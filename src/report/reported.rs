@@ -117,7 +117,7 @@ impl Reportable for Case {
         let common = transform::common_transforms(suite, contact);
         let remarks = &mut contact.remarks;
         remarks.splice(0..0, transform::remarks(&common));
-        session.undone_transforms = common.into_iter().map(|of| of.undo).collect();
+        session.undone_transforms = common.into_iter().map(|one| one.undo).collect();
     }
 
     fn assume(suite: &Suite, run: &mut Run, slugs: &[String], jobs: usize) -> Result<(), String> {

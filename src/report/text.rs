@@ -235,7 +235,7 @@ impl<C: TestCase> Page<'_, C> {
     fn write_dialect(&self, out: &mut String) -> fmt::Result {
         let of_reference = |known: &&FollowedReading| {
             let mut choices = C::CHOICES.iter();
-            choices.any(|of| of.ruling == known.ruling && of.readings[0].0 == known.reading)
+            choices.any(|one| one.ruling == known.ruling && one.readings[0].0 == known.reading)
         };
         let (alike, others): (Vec<_>, Vec<_>) = self.report.dialect.iter().partition(of_reference);
         let has_alike = !alike.is_empty();

@@ -8,10 +8,10 @@ use crate::suite::name::SuiteName;
 fn find_misreadings(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = [&str; 3]> {
     slugs.iter().filter_map(move |slug| {
         if suite == SuiteName::Writers {
-            return writing::find(slug).map(|of| [slug, of.clause, of.effect]);
+            return writing::find(slug).map(|one| [slug, one.clause, one.effect]);
         }
-        let ptm = misreadings::find(slug).map(|of| [slug, of.clause, of.effect]);
-        ptm.or_else(|| texture::find(slug).map(|of| [slug, of.clause, of.effect]))
+        let ptm = misreadings::find(slug).map(|one| [slug, one.clause, one.effect]);
+        ptm.or_else(|| texture::find(slug).map(|one| [slug, one.clause, one.effect]))
     })
 }
 
@@ -70,13 +70,13 @@ pub const CALLER_COMMAND: &str = "a function of the caller";
 pub(super) fn call_instructions(suite: SuiteName, command: &str) -> String {
     match suite {
         SuiteName::Texture => format!(
-            "A texture stage is called as: DECODER texture FILE, for example: {command} texture case.json\nFILE contains a question in JSON, and the answer is a JSON object on standard output; see spec-cases/texture/README.md."
+            "Usage of a texture stage: DECODER texture FILE\nExample: {command} texture case.json\nFILE contains a question in JSON, and the answer is a JSON object on standard output; see spec-cases/texture/README.md."
         ),
         SuiteName::Writers => format!(
-            "A writer is called as: WRITER write REQUEST OUT, for example: {command} write request.json out.ptm\nREQUEST is a JSON file, and the PTM goes to OUT; see docs/writers.md."
+            "Usage of a writer: WRITER write REQUEST OUT\nExample: {command} write request.json out.ptm\nREQUEST is a JSON file, and the PTM goes to OUT; see docs/writers.md."
         ),
         SuiteName::Fitters => format!(
-            "A fitter is called as: FITTER fit REQUEST OUT, for example: {command} fit request.json out.ptm\nREQUEST is a JSON file that names an .lp file, and the PTM goes to OUT; see docs/writers.md."
+            "Usage of a fitter: FITTER fit REQUEST OUT\nExample: {command} fit request.json out.ptm\nREQUEST is a JSON file that names an .lp file, and the PTM goes to OUT; see docs/writers.md."
         ),
         SuiteName::Ptm if command == CALLER_COMMAND => {
             "The functions raw(file), coef(file) and rgb(file, lu, lv) take the bytes of a file and return an image; see the README of the package.".to_owned()
@@ -85,7 +85,7 @@ pub(super) fn call_instructions(suite: SuiteName, command: &str) -> String {
             "A program called through --cmd reads the file {in} and writes an image to {out}, or prints it; see docs/check.md.".to_owned()
         }
         SuiteName::Ptm => format!(
-            "A decoder is called as: DECODER VIEW FILE, for example: {command} raw x.ptm\nFor raw, it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find the fault step by step, run: ptm-conform probe DECODER"
+            "Usage of a decoder: DECODER VIEW FILE\nExample: {command} raw x.ptm\nFor raw, it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find the fault step by step, run: ptm-conform probe DECODER"
         ),
     }
 }

@@ -45,7 +45,7 @@ impl Caller {
     /// Requests a view of a file.
     ///
     /// # Panics
-    /// Never panics, because no request panics while it holds the stream.
+    /// Panics only if another thread panicked during a request, which would be a bug.
     #[must_use]
     pub fn ask(&self, request: &Request) -> Reply {
         let mut stream = self.stream.lock().expect("no request panics");

@@ -31,7 +31,7 @@ use crate::runner::trouble::{Trouble, is_shortage};
 /// Maximum time for repeating a call that fails because of a problem in this program. After that, the run stops.
 const MAX_RETRY_TIME: Duration = Duration::from_secs(5);
 
-/// A decoder and the limits of its calls.
+/// A decoder and the limits that apply to each call.
 #[derive(Clone, Debug)]
 pub struct Decoder {
     command: Vec<OsString>,

@@ -15,7 +15,7 @@ use rustix::fs::OFlags;
 use rustix::io::Errno;
 use tempfile::TempDir;
 
-use crate::runner::trouble::{Trouble, is_out_of_space};
+use crate::runner::trouble::{Trouble, is_file_system_error};
 
 /// An in-memory file system, on systems that have one.
 const MEMORY_DIRECTORY: &str = "/dev/shm";
@@ -156,7 +156,7 @@ impl Workspace<'_> {
                 Ok(()) => return Ok(path),
                 Err(error) => {
                     let _ = fs::remove_file(&path);
-                    let may_retry = is_out_of_space(&error);
+                    let may_retry = is_file_system_error(&error);
                     failure = failure.or(Some((root, error)));
                     if !may_retry {
                         break;

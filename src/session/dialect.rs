@@ -129,8 +129,8 @@ mod tests {
     #[test]
     fn unrelated_groups_are_decided_independently() {
         let (dialect, settled) = settled(&[
-            image_from_readings(&["motion-sign", "motion-border"], |of| of == [1, 2]),
-            image_from_readings(&["side-lossless"], |of| of == [1]),
+            image_from_readings(&["motion-sign", "motion-border"], |one| one == [1, 2]),
+            image_from_readings(&["side-lossless"], |one| one == [1]),
         ]);
         let rulings = ["motion-sign", "motion-border", "side-lossless"];
         assert!(settled.into_iter().eq(rulings.into_iter().zip([1, 2, 1])));
@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn majority_decides_and_ties_go_to_the_reference() {
         let image =
-            |reading: usize| image_from_readings(&["motion-half"], move |of| of == [reading]);
+            |reading: usize| image_from_readings(&["motion-half"], move |one| one == [reading]);
         let mut all = vec![image(1); 8];
         all.push(image(0));
         assert_eq!(settled(&all).1, [("motion-half", 1)]);

@@ -35,7 +35,7 @@ impl<C: TestCase> Offer<C> {
     #[must_use]
     pub fn lacks(&self, view: &C::View, kind: &C::Feature) -> bool {
         let mut lacking = self.missing_views.iter();
-        lacking.any(|(lacking, of)| *lacking == C::view_name(view) && of == kind)
+        lacking.any(|(name, other)| *name == C::view_name(view) && other == kind)
     }
 
     /// Returns the first view of the case that is offered for this kind of case, or else the first that is offered at all.

@@ -96,7 +96,7 @@ fn common_transform(view: ViewKind, images: &[FirstImage]) -> Option<CommonTrans
         is_valid.then_some(right.len() + explained.len())
     };
     let mut changes = candidates(view, images).into_iter();
-    let (count, change) = changes.find_map(|of| Some((explained(&of.undo)?, of)))?;
+    let (count, change) = changes.find_map(|one| Some((explained(&one.undo)?, one)))?;
     let (says, all) = (change.effect, images.len());
     let effect = match count == all {
         true => format!("{says}, in all of the first files"),

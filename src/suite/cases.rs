@@ -148,7 +148,7 @@ impl Case {
     /// Returns the parts of a hand-assembled file, each with a description and its bytes.
     ///
     /// # Panics
-    /// Never panics for a case that [`Suite::load`] returned.
+    /// Panics only for a case that [`Suite::load`] did not return.
     #[must_use]
     pub fn pieces(&self) -> Vec<(&str, Vec<u8>)> {
         let Source::Hand(_, pieces, _) = &self.source else {
@@ -161,7 +161,7 @@ impl Case {
     /// Returns the compression of a generated compressed file.
     #[must_use]
     pub fn compression(&self) -> Option<&Compression> {
-        let recipe = self.recipe().filter(|of| of.format.coding().is_some())?;
+        let recipe = self.recipe().filter(|one| one.format.coding().is_some())?;
         Some(&recipe.compression)
     }
 
@@ -178,7 +178,7 @@ impl Case {
     /// Generates the file and its values.
     ///
     /// # Panics
-    /// Never panics for a case that [`Suite::load`] returned.
+    /// Panics only for a case that [`Suite::load`] did not return.
     #[must_use]
     pub fn build(&self, table: TableSpelling) -> Arc<Built> {
         match &self.prepared_file {

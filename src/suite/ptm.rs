@@ -77,7 +77,7 @@ impl TestCase for Case {
             (Feature::Prediction, plan(Compression::predicts)),
             (Feature::Inversion, plan(Compression::inverts)),
             (Feature::Motion, plan(Compression::displaces)),
-            (Feature::SideInformation, plan(|of| !of.records.is_empty())),
+            (Feature::SideInformation, plan(|p| !p.records.is_empty())),
         ] {
             if is_needed {
                 features.insert(feature);

@@ -103,19 +103,19 @@ impl CaseRecord {
     }
 
     /// Returns the views that can decide the case.
-    fn views(&self, words: &Words, of: &Source, twin: Option<&Case>) -> Result<Vec<View>, String> {
-        let views = match (&self.views, of, &self.values, twin) {
+    fn views(&self, vars: &Words, src: &Source, twin: Option<&Case>) -> Result<Vec<View>, String> {
+        let views = match (&self.views, src, &self.values, twin) {
             (Some(views), ..) => {
-                (views.iter().map(|view| words.fill(view).parse())).collect::<Result<_, _>>()?
+                (views.iter().map(|view| vars.fill(view).parse())).collect::<Result<_, _>>()?
             }
             (None, Source::Hand(..), Some(values), _) => values.views()?,
             (None, _, _, Some(twin)) => twin.views.clone(),
             _ => vec![View::Raw, View::Coef, View::DEFAULT_RGB.parse()?],
         };
-        if let Source::Recipe(recipe, _) = of {
+        if let Source::Recipe(recipe, _) = src {
             check_views(recipe, &views)?;
         }
-        if let (Source::Hand(..), Some(values)) = (of, &self.values) {
+        if let (Source::Hand(..), Some(values)) = (src, &self.values) {
             let known = values.views()?;
             if let Some(unknown) = views.iter().find(|view| !known.contains(view)) {
                 return Err(format!("the case has no values for the view {unknown}"));

@@ -142,7 +142,7 @@ fn dialect(report: &Report, rulings: &[Ruling]) -> Markup {
     html! {
         section aria-labelledby="dialect" {
             h2 #dialect { "Dialect and breadth" }
-            p { "The specification leaves some values open. Each of these readings is correct if the decoder follows it in all files." }
+            p { "The specification leaves some questions open. Each of the readings below is correct if the decoder follows it in all files." }
             @if report.dialect.is_empty() { p.quiet { "No case distinguishes the readings." } } @else {
                 table.list {
                     thead { tr { th scope="col" { "ruling" } th scope="col" { "the question" } th scope="col" { "this decoder" } } }

@@ -93,17 +93,17 @@ pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpret
     if values.len() != width * height * channels {
         return Vec::new();
     }
-    let is_order = |of: &Arrangement| channel_order(of.order, channels).is_some();
-    let ordered = |of: Arrangement| {
-        let places = of.sample_indices((width, height, channels)).into_iter();
-        (places.map(|place| values[place]).collect(), of.mistakes())
+    let is_order = |one: &Arrangement| channel_order(one.order, channels).is_some();
+    let ordered = |one: Arrangement| {
+        let places = one.sample_indices((width, height, channels)).into_iter();
+        (places.map(|place| values[place]).collect(), one.mistakes())
     };
     Arrangement::all().filter(is_order).map(ordered).collect()
 }
 
 /// Returns the position of each channel in the order `name`, or `None` if this number of channels has no such order.
 fn channel_order(name: &str, channels: usize) -> Option<Vec<usize>> {
-    let at = |place: fn(usize, usize) -> usize| (0..18).map(|c| place(c / 6, c % 6)).collect();
+    let list = |place: fn(usize, usize) -> usize| (0..18).map(|c| place(c / 6, c % 6)).collect();
     Some(match (channels, name) {
         (_, "") => (0..channels).collect(),
         (3, "bgr") => vec![2, 1, 0],
@@ -112,9 +112,9 @@ fn channel_order(name: &str, channels: usize) -> Option<Vec<usize>> {
         (9, "bgr") => vec![0, 1, 2, 3, 4, 5, 8, 7, 6],
         (9, "color-first") => vec![3, 4, 5, 6, 7, 8, 0, 1, 2],
         (8 | 9, "coefficients-backward") => (0..6).rev().chain(6..channels).collect(),
-        (18, "bgr") => at(|color, a| (2 - color) * 6 + a),
-        (18, "by-coefficient") => at(|color, a| a * 3 + color),
-        (18, "coefficients-backward") => at(|color, a| color * 6 + 5 - a),
+        (18, "bgr") => list(|color, a| (2 - color) * 6 + a),
+        (18, "by-coefficient") => list(|color, a| a * 3 + color),
+        (18, "coefficients-backward") => list(|color, a| color * 6 + 5 - a),
         _ => return None,
     })
 }

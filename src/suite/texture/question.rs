@@ -383,7 +383,7 @@ impl EntryGiven {
     /// Returns the complete entry, with fallback values from `rules`.
     ///
     /// # Panics
-    /// Never panics, because every field was validated when the question was parsed.
+    /// Panics only if a field is invalid, which parsing rules out.
     #[must_use]
     pub fn entry(&self, rules: &Rules) -> Entry {
         let fallback = (rules.fallback_values)();

@@ -107,7 +107,7 @@ impl Problem {
     /// Returns the code of the problem.
     ///
     /// # Panics
-    /// Never panics, because every problem has a code.
+    /// Panics only if a problem has no code, which would be a bug.
     #[must_use]
     pub fn code(self) -> &'static Code {
         let code = ALL.iter().find(|code| code.problem == self);
