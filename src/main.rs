@@ -56,7 +56,7 @@ enum Command {
     Report(cli::report::ReportArgs),
     #[cfg(unix)]
     Coverage(cli::coverage::CoverageArgs),
-    /// Waits for the end of standard input, then kills all processes left by RUN or in DIRECTORIES, and removes the directories.
+    /// At the end of standard input, kills all processes that RUN left or that run in DIRECTORIES, and removes the directories.
     #[cfg(unix)]
     #[command(hide = true)]
     Watch {

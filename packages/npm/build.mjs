@@ -73,7 +73,7 @@ if (option === "--platform") {
   copyFileSync(join(here, "README.md"), join(out, "README.md"));
   write("package.json", {
     name: "ptm-conform",
-    description: "Conformance suite for decoders of Polynomial Texture Maps (PTM 1.2)",
+    description: "Conformance suite for decoders for Polynomial Texture Maps (PTM 1.2)",
     ...common,
     type: "module",
     exports: {

@@ -15,8 +15,8 @@ use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection, repai
 /// 65,536 distinct texels. Every format except LUM has a lossless JPEGLS and a lossy JPEG counterpart. The result is read back
 /// and compared before it is written. Conversion to the file's own format normalizes its header.
 ///
-/// Exit status: 0, 1 if the target cannot hold the map or nothing can be repaired, 65 if the file is malformed, 69 if it is not
-/// supported, 2 usage error.
+/// Exit status: 0 success, 1 the target cannot hold the map or nothing can be repaired, 2 usage error, 65 the file is malformed,
+/// 69 it is not supported.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform convert coin.ptm --to JPEGLS_RGB -o small.ptm\n  ptm-conform convert coin.ptm --to JPEG_RGB --quality 90 -o smaller.ptm\n  ptm-conform convert table.ptm --to LRGB -o plain.ptm\n  ptm-conform convert coin.ptm --for relight,rtiviewer -o everywhere.ptm\n  ptm-conform convert damaged.ptm --repair -o repaired.ptm"

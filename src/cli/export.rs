@@ -15,7 +15,7 @@ use ptm_conform::tools::{export, render::encode_image};
 /// final coefficients as 32-bit floats. .png contains the stored planes stacked vertically, in specification order. The top row
 /// is always first.
 ///
-/// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
+/// Exit status: 0 success, 2 usage error, 65 the file is malformed, 69 it is not supported.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform export coin.ptm -o coin.exr\n  ptm-conform export coin.ptm --final -o coin.npy\n  ptm-conform export coin.ptm -o planes.png"

@@ -13,7 +13,7 @@ use ptm_conform::tools::{dissection::Dissection, inspect::inspect};
 /// A damaged file is shown up to the damage, with an error message. Compressed files are shown with the marker segments of their
 /// JPEG or JPEG-LS streams and the records of their side information.
 ///
-/// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
+/// Exit status: 0 success, 2 usage error, 65 the file is malformed, 69 it is not supported.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform inspect coin.ptm\n  ptm-conform inspect --all --color always coin.ptm | less -R\n  ptm-conform inspect --json coin.ptm | jq '.fields[] | select(.name == \"width\")'"

@@ -19,7 +19,7 @@ use super::{CommandError, CommandResult, files};
 /// formats. `reference texture FILE` answers a texture mapping question in JSON. `reference write REQUEST OUT` writes the file
 /// for a request of check-writer, and `reference fit REQUEST OUT` writes the best fit to images.
 ///
-/// Exit status: 0, 65 if the file is malformed, 69 if it is not supported.
+/// Exit status: 0 success, 65 the file is malformed, 69 it is not supported.
 #[derive(clap::Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform reference raw coin.ptm > coin.frame\n  ptm-conform reference rgb:0.3,0.4 coin.ptm > coin.frame"

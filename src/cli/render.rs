@@ -15,7 +15,7 @@ use ptm_conform::tools::render::{encode_image, normals, render_lit, sheet, upsca
 /// to the nearest byte. The suffix of the output selects the format: .png, .ppm, .tiff, .bmp, .webp (lossless) or .jpg (quality
 /// 95, no chroma subsampling).
 ///
-/// Exit status: 0, 65 if the file is malformed, 69 if it is not supported, 2 usage error.
+/// Exit status: 0 success, 2 usage error, 65 the file is malformed, 69 it is not supported.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform render coin.ptm --light 0.5,0.5 -o coin.png\n  ptm-conform render coin.ptm --sheet 7 --cell 200 -o sheet.png\n  ptm-conform render coin.ptm --normals -o normals.png\n  ptm-conform render tiny.ptm --zoom 32 -o tiny.png"

@@ -38,7 +38,7 @@ pub(super) struct Witness<'a> {
     pub reading: Reading,
     /// The reference's answer in the dialect in which the decoder was judged.
     pub expected: Answer,
-    /// The reference's answer under `reading`, if that is a different dialect.
+    /// The reference's answer under `reading`, or `None` if `reading` is the dialect of `expected`.
     correct_answer: Option<Answer>,
     /// Fields of the file, up to the first error.
     fields: OnceLock<Vec<Field>>,

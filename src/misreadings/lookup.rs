@@ -97,8 +97,8 @@ fn rename_format(file: &Anatomy, name: &[u8]) -> EditedFile {
     EditedFile::File(bytes)
 }
 
-/// Changes a file to what a decoder would read if it assumed `new_count(count)` table entries. If that number is 0, the file
-/// remains unchanged.
+/// Edits a file so that it contains what a decoder would see if it assumed `new_count(count)` table entries. Leaves the file
+/// unchanged if `new_count` returns 0.
 fn resize_table(file: &Anatomy, new_count: fn(usize) -> usize) -> EditedFile {
     let size = table_size(file).filter(|&(count, _)| new_count(count) > 0);
     let Some((count, size)) = size else {

@@ -399,7 +399,7 @@ impl Frame {
         }
         let mut beginning = bytes.iter().take(MAX_LINE_LENGTH);
         let end = beginning.position(|&byte| byte == b'\n');
-        let end = end.ok_or("the PTM1 line has no end")?;
+        let end = end.ok_or("the PTM1 line is not terminated by a line feed")?;
         let line = std::str::from_utf8(&bytes[..end]).map_err(|_| "the PTM1 line is not ASCII")?;
         let mut frame = Frame::parse_line(line)?;
         let samples = &bytes[end + 1..];

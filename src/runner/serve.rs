@@ -369,7 +369,7 @@ fn read_answer(
     let Some(end) = beginning.position(|&byte| byte == b'\n') else {
         return match bytes.len() >= MAX_LINE_LENGTH {
             true => Err(format!(
-                "the answer begins with {} and has no line end",
+                "the answer begins with {} and is not terminated by a line feed",
                 quote_start(bytes)
             )),
             false => Ok(None),
@@ -484,6 +484,6 @@ mod tests {
     #[test]
     fn unterminated_line_is_not_an_answer() {
         let error = read_answer(&[b'x'; 2000], 7, 1000, None).expect_err("not an answer");
-        assert!(error.contains("has no line end"), "{error}");
+        assert!(error.contains("not terminated by a line feed"), "{error}");
     }
 }

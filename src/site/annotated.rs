@@ -95,7 +95,7 @@ pub struct Part {
     times: Option<usize>,
 }
 
-/// Base files and streams of the examples.
+/// Base files and streams for the examples.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Files {
@@ -108,7 +108,7 @@ pub struct Files {
 pub struct Annotated {
     /// Chapters in the order of the specification.
     pub chapters: Vec<Chapter>,
-    /// Base files of the examples.
+    /// Base files for the examples.
     pub files: Files,
 }
 
@@ -129,11 +129,11 @@ pub const CHAPTERS: &[(&str, &str)] = embedded![
     "2.9.8-planes.yaml",
 ];
 
-/// Base files of the examples.
+/// Base files for the examples.
 pub const FILES: &str = include_str!("../../spec-cases/annotated/files.yaml");
 
 impl Annotated {
-    /// Parses chapters, given as pairs of file name and text, and the base files of the examples.
+    /// Parses chapters, given as pairs of file name and text, and the base files for the examples.
     ///
     /// # Errors
     /// Returns a message that names the file and the line.

@@ -232,13 +232,13 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
         "2.4/4" => "write the six biases unchanged, including their signs",
         "2.6/2" => "write all digits of the sixteen numbers, in the order of the request",
         "2.9.1/1" => {
-            "predict from the planes that a decoder reconstructs, with the parameter of the request"
+            "predict from the planes as a decoder reconstructs them, and use the parameter in the request"
         }
         "2.9.8/4" => {
             "write a record for every texel that wraps around because of lossy compression"
         }
         "2.9.8/8" => "write the value that the texel has in the request",
-        _ => "compare the bytes of the example with the request",
+        _ => "compare the bytes in the example with the request",
     };
     (effect, fix)
 }

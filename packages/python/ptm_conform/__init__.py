@@ -1,4 +1,4 @@
-"""Checks a decoder of Polynomial Texture Maps (PTM 1.2) and names the clauses that it misreads.
+"""Checks a decoder for Polynomial Texture Maps (PTM 1.2) and names the clauses that it misreads.
 
     report = ptm_conform.check_callable(my_decoder.decode)     # the whole suite, in this process
     print(report.text)

@@ -72,15 +72,15 @@ impl Phase {
             ],
             Phase::Stream => [
                 "shows wrong values in planes that are neither predicted nor corrected",
-                "decode the stream of the example with another JPEG or JPEG-LS decoder and compare the samples; try the test images of the standard",
+                "decode the stream in the example with another JPEG or JPEG-LS decoder and compare the samples; try the test images of the standard",
             ],
             Phase::Prediction => [
                 "shows wrong values in predicted planes; planes that are not predicted are correct",
-                "compute the sample of the example by hand from the residual and the reference",
+                "compute the sample in the example by hand from the residual and the reference",
             ],
             Phase::Correction => [
                 "shows wrong values only at texels that side information corrects",
-                "read the record of the example by hand, and check the bytes, the position and the value",
+                "read the record in the example by hand, and check the bytes, the position and the value",
             ],
             Phase::StoredValue => [
                 "shows wrong stored values",

@@ -1,6 +1,6 @@
 //! Lint for PTM files: errors, problems that some readers may have with a file, and fixes for its writer.
 //!
-//! Errors of the reference are classified into stable [`codes`]. If a compressed plane is malformed, the errors of all planes are
+//! Errors reported by the reference are mapped to stable [`codes`]. If a compressed plane is malformed, the errors of all planes are
 //! reported. Warnings and informational findings concern the spelling, the values and the streams of a file, and alternative
 //! readings of open questions.
 
