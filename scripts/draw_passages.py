@@ -67,5 +67,6 @@ drawn = {line for path in earlier for line in pathlib.Path(path).read_text(encod
 generator = random.Random(commit)
 for name, passages in [("documents", paragraphs), ("messages", messages), ("doc comments and names", comments)]:
     population = [passage for passage in dict.fromkeys(passages()) if passage not in drawn]
-    print(f"# {name}: {COUNT} of {len(population)}")
-    print(*generator.sample(population, COUNT), sep="\n")
+    count = min(COUNT, len(population))
+    print(f"# {name}: {count} of {len(population)}")
+    print(*generator.sample(population, count), sep="\n")

@@ -827,7 +827,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns true if the image is small enough for every mistake to be tried on it.
+    /// Returns true if the image of witness `w` is small enough for every mistake to be tried on it.
     pub fn is_small(&self, w: usize) -> bool {
         self.sample_count(w) <= MAX_SMALL_IMAGE_SAMPLES
     }

@@ -288,7 +288,7 @@ fn decode_edited(plane: &PlaneStream, edit: impl Fn(u8, &mut [u8])) -> PlaneSamp
     planes::decode_stream(&PlaneStream { bytes, ..*plane })
 }
 
-/// Decodes a plane after editing the preset parameters of its stream. A parameter of 0 means its default.
+/// Decodes a plane after editing the preset parameters of its stream. A parameter value of 0 selects the default.
 fn decode_with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> PlaneSamples {
     decode_edited(plane, |code, segment| {
         if code == 0xF8 && segment.len() == 11 && segment[0] == 1 {

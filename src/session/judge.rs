@@ -190,7 +190,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
     }
 
     /// Returns the verdict on a wrong image, or on any image of a file that must be refused.
-    fn wrong_image_verdict(&self, right: &RightDialects, differs: String) -> Verdict {
+    fn wrong_image_verdict(&self, right: &RightDialects, difference: String) -> Verdict {
         let is_right = |(_, twin): &(_, Option<&Observation<C>>)| {
             twin.is_some_and(|twin| is_right(twin, self.dialect))
         };
@@ -206,16 +206,16 @@ impl<C: TestCase> CaseFacts<'_, C> {
             }
             (Expect::ImplementationDefined, _) => verdict(
                 Outcome::ImplementationDefined,
-                format!("left to the implementation; the reference differs: {differs}"),
+                format!("left to the implementation; the reference differs: {difference}"),
             ),
             (_, RightDialects::In { axes, combinations }) => {
                 let mut dialects = C::CHOICES.combinations(axes).into_iter().zip(combinations);
                 match dialects.find(|(_, right)| **right) {
-                    Some((other, _)) => fail(self.mixed_readings_text(axes, &other) + &differs),
-                    None => fail(differs),
+                    Some((other, _)) => fail(self.mixed_readings_text(axes, &other) + &difference),
+                    None => fail(difference),
                 }
             }
-            _ => fail(differs),
+            _ => fail(difference),
         }
     }
 

@@ -115,7 +115,7 @@ fn read_precision_and_index(segment: &mut Cursor, kind: &str) -> StreamResult<(u
     let byte = segment.read_byte(kind)?;
     let (precision, number) = (byte >> 4, byte & 15);
     if precision > 1 || number > 3 {
-        let what = format!("illegal {kind}: precision or class {precision}, number {number}");
+        let what = format!("illegal {kind}: precision or class {precision}, index {number}");
         return Err(malformed(at, what));
     }
     Ok((precision, usize::from(number)))

@@ -124,12 +124,12 @@ SOI DQT FF C1 00 0B 0C 00 08 00 08 01 01 11 00 | byte 75: 12-bit samples are not
 SOI DQT FF C0 00 0B 08 00 00 00 08 01 01 11 00 | byte 76: a height defined by DNL is not implemented
 SOI DQT SOF DHT0 DHT1 SOS DATA FF DC 00 04 00 08 EOI
   | byte 139: a height defined by DNL (marker FFDC) is not implemented
-SOI FF DB 00 03 20 | byte 6: illegal quantization table: precision or class 2, number 0
-SOI FF DB 00 03 04 | byte 6: illegal quantization table: precision or class 0, number 4
+SOI FF DB 00 03 20 | byte 6: illegal quantization table: precision or class 2, index 0
+SOI FF DB 00 03 04 | byte 6: illegal quantization table: precision or class 0, index 4
 SOI FF DB 00 03 00 | byte 7: the quantization table segment ends before the 64 quantization steps
 SOI FF DB 00 43 00 01*63 00 | byte 70: a quantization step is zero
-SOI DQT SOF FF C4 00 03 20 | byte 88: illegal Huffman table: precision or class 2, number 0
-SOI DQT SOF FF C4 00 03 04 | byte 88: illegal Huffman table: precision or class 0, number 4
+SOI DQT SOF FF C4 00 03 20 | byte 88: illegal Huffman table: precision or class 2, index 0
+SOI DQT SOF FF C4 00 03 04 | byte 88: illegal Huffman table: precision or class 0, index 4
 SOI DQT SOF FF C4 00 03 00 | byte 89: the Huffman table segment ends before the 16 code counts
 SOI DQT SOF FF C4 00 13 00 01 00*15 | byte 105: the Huffman table segment ends before the symbols of a Huffman table
 SOI DQT SOF FF C4 00 15 00 02 00*15 00 01 | byte 89: a Huffman table has too many codes of 1 bits
