@@ -146,7 +146,7 @@ fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
     }
 }
 
-/// Prints the commands that reproduce the faults of the wrapper.
+/// Prints the commands that reproduce the faults in the wrapper.
 fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     if args.cmd.is_some() {
         return;

@@ -80,7 +80,7 @@ struct TextureRenderArgs {
     /// Generate mipmap levels for the map with a box filter.
     #[arg(long)]
     mipmap: bool,
-    /// The visible area around the map on each side, in units of the map: the shape's coordinates run from -N to 1 + N.
+    /// Width of the margin around the map, as a multiple of the map's size: the shape's coordinates run from -N to 1 + N.
     #[arg(long, value_name = "N", default_value_t = 0.5, value_parser = parse_around)]
     around: f64,
     /// The color of the surface: red, green, blue from 0 to 1.

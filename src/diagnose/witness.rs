@@ -371,8 +371,8 @@ pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.step.stage() >= Stage::Planes
 }
 
-/// Returns the reference's choices, or `None` if the choices inferred for the decoder are the same. If the decoder reads a line
-/// feed after tables, this choice is kept, unless it is the only difference.
+/// Returns the reference's choices, or `None` if the choices inferred for the decoder are the same. If the decoder expects a line
+/// feed after tables, so does the returned reading, unless that is the only difference.
 pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgment = &run.judgment;
     let mut choices = judgment.dialect.0.iter().zip(&judgment.certainties);

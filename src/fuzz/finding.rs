@@ -132,8 +132,8 @@ impl Explanation {
         }
     }
 
-    /// Returns true if this explanation also covers another failure. If so, removes the suspects that do not explain both.
-    pub(super) fn explains_failure(
+    /// Tries to extend this explanation to another failure: if it succeeds, keeps only suspects that explain both, and returns true.
+    pub(super) fn extend_to_failure(
         &mut self,
         draft: &Draft,
         observation: &Observation,

@@ -179,7 +179,7 @@ impl Batch {
             let Some(observation) = &run.observations[index] else {
                 continue;
             };
-            let explains = |f: &mut Finding| f.cause.explains_failure(draft, observation, decoder);
+            let explains = |f: &mut Finding| f.cause.extend_to_failure(draft, observation, decoder);
             if let Some(i) = findings.iter_mut().position(explains) {
                 findings[i].count += 1;
                 continue;

@@ -92,9 +92,9 @@ impl Call {
     }
 
     /// Reads until the process ends or reaches a limit, then kills all remaining processes of the call.
-    pub fn finish(mut self, limits: &CallLimits, workplace: &Path) -> io::Result<CallOutput> {
-        let kill_reason = self.watch(limits, workplace)?;
-        let status = self.kill_and_reap(workplace)?;
+    pub fn finish(mut self, limits: &CallLimits, work_dir: &Path) -> io::Result<CallOutput> {
+        let kill_reason = self.watch(limits, work_dir)?;
+        let status = self.kill_and_reap(work_dir)?;
         let ended = match kill_reason {
             Some(ended) => ended,
             None if self.output.len() > limits.output => CallEnd::Flood,
@@ -108,7 +108,7 @@ impl Call {
     }
 
     /// Reads until the process ends. Returns the reason to kill the process if it reaches a limit.
-    fn watch(&mut self, limits: &CallLimits, workplace: &Path) -> io::Result<Option<CallEnd>> {
+    fn watch(&mut self, limits: &CallLimits, work_dir: &Path) -> io::Result<Option<CallEnd>> {
         let deadline = Instant::now() + limits.time.min(MAX_WAIT);
         let can_measure = processes::can_inspect_processes();
         let mut next_look = Instant::now() + POLL_INTERVAL;
@@ -126,7 +126,7 @@ impl Call {
             }
             if now >= next_look {
                 next_look = now + POLL_INTERVAL;
-                if can_measure && processes::memory_of_call(self.group, workplace) > limits.memory {
+                if can_measure && processes::memory_of_call(self.group, work_dir) > limits.memory {
                     return Ok(Some(CallEnd::OutOfMemory));
                 }
             }
@@ -146,10 +146,10 @@ impl Call {
         !matches!(waitid(WaitId::Pid(pid), options), Ok(None))
     }
 
-    /// Kills the process (if it is still running), its process group, and its orphans in `workplace`. Returns the exit status.
-    pub(crate) fn kill_and_reap(&mut self, workplace: &Path) -> io::Result<ExitStatus> {
+    /// Kills the process (if it is still running), its process group, and its orphans in `work_dir`. Returns the exit status.
+    pub(crate) fn kill_and_reap(&mut self, work_dir: &Path) -> io::Result<ExitStatus> {
         let status = self.kill();
-        processes::kill_orphans(workplace);
+        processes::kill_orphans(work_dir);
         status
     }
 

@@ -84,9 +84,9 @@ fn lock_started_processes() -> std::sync::MutexGuard<'static, Vec<u32>> {
 
 /// Returns the memory, in bytes, used by a process, its descendants and the orphans of its call.
 #[must_use]
-pub fn memory_of_call(root: Pid, workplace: &Path) -> u64 {
+pub fn memory_of_call(root: Pid, work_dir: &Path) -> u64 {
     let page = rustix::param::page_size() as u64;
-    let mut members = orphans(|pid| belongs_to(pid, workplace));
+    let mut members = orphans(|pid| belongs_to(pid, work_dir));
     members.push(root.as_raw_nonzero().get().cast_unsigned());
     let mut pages = 0;
     while let Some(pid) = members.pop() {
@@ -101,10 +101,10 @@ pub fn memory_of_call(root: Pid, workplace: &Path) -> u64 {
     pages * page
 }
 
-/// Kills all orphans of the call in `workplace`. Reaps all orphans that have ended, so that they do not count against the process
+/// Kills all orphans of the call in `work_dir`. Reaps all orphans that have ended, so that they do not count against the process
 /// limit.
-pub fn kill_orphans(workplace: &Path) {
-    kill_until_none(|| orphans(|pid| belongs_to(pid, workplace)));
+pub fn kill_orphans(work_dir: &Path) {
+    kill_until_none(|| orphans(|pid| belongs_to(pid, work_dir)));
     for pid in orphans(has_ended).into_iter().filter_map(to_pid) {
         let _ = waitpid(Some(pid), WaitOptions::NOHANG);
     }

@@ -302,18 +302,18 @@ impl Decoder {
         let mut workspace = scratch.workspace()?;
         // The name of the file must not reveal the expected result.
         let input = workspace.write_input(file_name, request.file)?;
-        let workplace = &workspace.workplace;
+        let work_dir = &workspace.work_dir;
         let output_file = match &self.template {
-            Some(template) => template.output_file(workplace)?,
+            Some(template) => template.output_file(work_dir)?,
             None => None,
         };
         let view = request.view.to_string();
         let words = match &self.template {
-            Some(template) => template.command_words(&view, &input, workplace),
+            Some(template) => template.command_words(&view, &input, work_dir),
             None => self.command_with(&[OsStr::new(&view), input.as_os_str()]),
         };
         let time = self.timeout.saturating_mul(request.timeout_factor);
-        let mut result = self.run_command(&words, max_bytes, time, workplace)?;
+        let mut result = self.run_command(&words, max_bytes, time, work_dir)?;
         if let (Ok(stdout), Some(file)) = (&mut result.output, &output_file) {
             result.stdout = std::mem::take(stdout);
             result.output = file.read(max_bytes)?;
@@ -337,16 +337,16 @@ impl Decoder {
         words: &[OsString],
         max_bytes: usize,
         time: Duration,
-        workplace: &Path,
+        work_dir: &Path,
     ) -> Result<CallResult, CallFailure> {
-        let call = self.start_command(words, workplace, Stdio::null())?;
+        let call = self.start_command(words, work_dir, Stdio::null())?;
         let limits = CallLimits {
             output: max_bytes,
             time,
             memory: self.memory,
             stop: &self.stop,
         };
-        let output = call.finish(&limits, workplace);
+        let output = call.finish(&limits, work_dir);
         let output = output.map_err(|error| Trouble::new("monitor a call", &error))?;
         Ok(self.call_result(output, &limits)?)
     }
@@ -355,23 +355,23 @@ impl Decoder {
     pub(crate) fn start_command(
         &self,
         words: &[OsString],
-        workplace: &Path,
+        work_dir: &Path,
         stdin: Stdio,
     ) -> Result<Call, CallFailure> {
         let mut command = Command::new(&words[0]);
         command
             .args(&words[1..])
-            .current_dir(workplace)
+            .current_dir(work_dir)
             .env("LC_ALL", &self.locale)
             .env("TZ", "UTC")
-            .env("TMPDIR", workplace)
+            .env("TMPDIR", work_dir)
             .stdin(stdin)
             .stdout(Stdio::piped())
             .stderr(Stdio::piped())
             .process_group(0);
         let child = processes::start(&mut command).map_err(|error| {
             // Another decoder may have removed the directory.
-            if is_shortage(&error) || !workplace.is_dir() {
+            if is_shortage(&error) || !work_dir.is_dir() {
                 Trouble::new("start a process", &error).into()
             } else {
                 CallFailure::NotStarted(start::describe_start_failure(&words[0], &error))
@@ -396,7 +396,7 @@ impl Decoder {
         let result = self.retry(|| {
             let workspace = scratch.workspace()?;
             let words = self.command_with(&[OsStr::new(word)]);
-            self.run_command(&words, max_bytes, self.timeout, &workspace.workplace)
+            self.run_command(&words, max_bytes, self.timeout, &workspace.work_dir)
         });
         result.output.map_err(|answer| match answer.violation() {
             Some(why) => format!("{}: {why}", answer.name()),

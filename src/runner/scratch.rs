@@ -87,24 +87,24 @@ impl Scratch {
     pub(crate) fn workspace(&self) -> Result<Workspace<'_>, Trouble> {
         let name = self.next.fetch_add(1, Ordering::Relaxed).to_string();
         let known = self.free.lock().expect("nothing panics here").pop();
-        let workplace = if let Some(workplace) = known {
-            workplace
+        let work_dir = if let Some(work_dir) = known {
+            work_dir
         } else {
-            let workplace = self.work_directory().join(format!("work-{name}"));
-            fs::create_dir_all(&workplace).map_err(|error| {
+            let work_dir = self.work_directory().join(format!("work-{name}"));
+            fs::create_dir_all(&work_dir).map_err(|error| {
                 let task = format!(
                     "create a working directory in {}",
                     self.work_directory().display()
                 );
                 Trouble::new(&task, &error)
             })?;
-            workplace
+            work_dir
         };
         Ok(Workspace {
             scratch: self,
             name,
             directories: Vec::new(),
-            workplace,
+            work_dir,
         })
     }
 }
@@ -139,7 +139,7 @@ pub(crate) struct Workspace<'a> {
     /// Directories for inputs, one in each root that was needed.
     directories: Vec<PathBuf>,
     /// Working directory of the process.
-    pub(crate) workplace: PathBuf,
+    pub(crate) work_dir: PathBuf,
 }
 
 impl Workspace<'_> {
@@ -188,11 +188,11 @@ impl Drop for Workspace<'_> {
         for directory in &self.directories {
             remove_directory(directory);
         }
-        if is_unchanged_directory(&self.workplace) {
+        if is_unchanged_directory(&self.work_dir) {
             let mut free = self.scratch.free.lock().expect("nothing panics here");
-            free.push(std::mem::take(&mut self.workplace));
+            free.push(std::mem::take(&mut self.work_dir));
         } else {
-            remove_directory(&self.workplace);
+            remove_directory(&self.work_dir);
         }
     }
 }

@@ -163,7 +163,7 @@ impl<'a> Server<'a> {
     fn start(decoder: &Decoder, scratch: &'a Scratch) -> Result<Server<'a>, CallFailure> {
         let workspace = scratch.workspace()?;
         let words = decoder.command_with(&[OsStr::new("serve")]);
-        let mut call = decoder.start_command(&words, &workspace.workplace, Stdio::piped())?;
+        let mut call = decoder.start_command(&words, &workspace.work_dir, Stdio::piped())?;
         let stdin = call.child.stdin.take().map(OwnedFd::from);
         if let Some(stdin) = &stdin {
             rustix::io::ioctl_fionbio(stdin, true)
@@ -299,7 +299,7 @@ impl<'a> Server<'a> {
             return Ok(());
         }
         self.last_measured = Instant::now();
-        if processes::memory_of_call(self.call.group, &self.workspace.workplace) > decoder.memory {
+        if processes::memory_of_call(self.call.group, &self.workspace.work_dir) > decoder.memory {
             return Err(decoder.out_of_memory_answer());
         }
         Ok(())
@@ -310,7 +310,7 @@ impl<'a> Server<'a> {
         let answered = self.sequence - 1;
         let status = self
             .call
-            .kill_and_reap(&self.workspace.workplace)
+            .kill_and_reap(&self.workspace.work_dir)
             .map(describe_exit);
         Answer::Crashed(format!(
             "the serving process ended ({}) without an answer; it had answered {answered} requests",
@@ -353,7 +353,7 @@ impl Drop for Server<'_> {
                 break;
             }
         }
-        let _ = self.call.kill_and_reap(&self.workspace.workplace);
+        let _ = self.call.kill_and_reap(&self.workspace.work_dir);
     }
 }
 

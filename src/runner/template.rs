@@ -128,12 +128,12 @@ impl Template {
             .all(|wanted| self.pieces().any(|piece| piece == wanted))
     }
 
-    /// Returns the command line of a call that requests `view`, reads `file` and runs in `workplace`. For a view
+    /// Returns the command line of a call that requests `view`, reads `file` and runs in `work_dir`. For a view
     /// without a light, the light is 0, 0.
-    pub(crate) fn command_words(&self, view: &str, file: &Path, workplace: &Path) -> Vec<OsString> {
+    pub(crate) fn command_words(&self, view: &str, file: &Path, work_dir: &Path) -> Vec<OsString> {
         let light = view.strip_prefix("rgb:").unwrap_or("0,0");
         let (lu, lv) = light.split_once(',').unwrap_or((light, "0"));
-        self.fill_placeholders(file, workplace, &|piece| match piece {
+        self.fill_placeholders(file, work_dir, &|piece| match piece {
             TemplatePiece::Lu => lu.into(),
             TemplatePiece::Lv => lv.into(),
             _ => view.into(),
@@ -144,10 +144,10 @@ impl Template {
     pub(crate) fn command_words_with_values(
         &self,
         input: &Path,
-        workplace: &Path,
+        work_dir: &Path,
         values: &[(&str, OsString)],
     ) -> Vec<OsString> {
-        self.fill_placeholders(input, workplace, &|piece| {
+        self.fill_placeholders(input, work_dir, &|piece| {
             let of_name = values
                 .iter()
                 .find(|(name, _)| matches!(piece, TemplatePiece::Value(of) if of == name));
@@ -158,13 +158,13 @@ impl Template {
     fn fill_placeholders(
         &self,
         input: &Path,
-        workplace: &Path,
+        work_dir: &Path,
         other: &dyn Fn(&TemplatePiece) -> OsString,
     ) -> Vec<OsString> {
         let filled = |piece: &TemplatePiece| match piece {
             TemplatePiece::Text(text) => text.clone(),
             TemplatePiece::In => input.into(),
-            TemplatePiece::Out(suffix) => workplace.join(format!("{OUTPUT_NAME}{suffix}")).into(),
+            TemplatePiece::Out(suffix) => work_dir.join(format!("{OUTPUT_NAME}{suffix}")).into(),
             piece => other(piece),
         };
         let joined = |pieces: &Vec<TemplatePiece>| pieces.iter().map(filled).collect();
@@ -172,13 +172,13 @@ impl Template {
     }
 
     /// Returns the output file of a call, if the template has one. Must be called before the program starts. The method opens
-    /// `workplace`, so replacing the directory later has no effect.
-    pub(crate) fn output_file(&self, workplace: &Path) -> Result<Option<OutputFile>, Trouble> {
+    /// `work_dir`, so replacing the directory later has no effect.
+    pub(crate) fn output_file(&self, work_dir: &Path) -> Result<Option<OutputFile>, Trouble> {
         let Some(suffix) = self.outputs().next() else {
             return Ok(None);
         };
         let flags = OFlags::RDONLY | OFlags::DIRECTORY | OFlags::CLOEXEC;
-        let directory = rustix::fs::open(workplace, flags, Mode::empty())
+        let directory = rustix::fs::open(work_dir, flags, Mode::empty())
             .map_err(|error| Trouble::new("open a working directory", &error.into()))?;
         Ok(Some(OutputFile {
             directory,

@@ -78,12 +78,12 @@ impl Decoder {
             inputs.push((path, &attachment.bytes));
         }
         let input = workspace.write_input("request.json", request.as_bytes())?;
-        let workplace = workspace.workplace.clone();
-        let output = template.output_file(&workplace)?;
+        let work_dir = workspace.work_dir.clone();
+        let output = template.output_file(&work_dir)?;
         let output = output.expect("a writer's template names the output file");
-        let words = template.command_words_with_values(&input, &workplace, &values);
+        let words = template.command_words_with_values(&input, &work_dir, &values);
         let time = self.timeout.saturating_mul(call.timeout_factor);
-        let mut result = self.run_command(&words, 1 << 20, time, &workplace)?;
+        let mut result = self.run_command(&words, 1 << 20, time, &work_dir)?;
         result.stderr = workspace.strip_directories(&result.stderr);
         if output.is_longer_than(call.max_bytes) {
             let says = format!("more than {} bytes in the output file", call.max_bytes);

@@ -137,7 +137,7 @@ impl<'a> Dialog<'a> {
     fn start(calls: &Calls<'a>) -> Option<Dialog<'a>> {
         let (decoder, workspace) = (calls.decoder, calls.scratch.workspace().ok()?);
         let words = decoder.command_with(&[OsStr::new("serve")]);
-        let call = decoder.start_command(&words, &workspace.workplace, Stdio::piped());
+        let call = decoder.start_command(&words, &workspace.work_dir, Stdio::piped());
         Some(Dialog {
             call: call.ok()?,
             workspace,
@@ -181,7 +181,7 @@ impl<'a> Dialog<'a> {
                 return served;
             }
             if has_ended {
-                let status = self.call.kill_and_reap(&self.workspace.workplace);
+                let status = self.call.kill_and_reap(&self.workspace.work_dir);
                 return ServeResult::Ended(status.is_ok_and(|status| status.success()));
             }
             let left = deadline.saturating_duration_since(Instant::now());
@@ -218,6 +218,6 @@ impl<'a> Dialog<'a> {
 impl Drop for Dialog<'_> {
     fn drop(&mut self) {
         // An error means that no process is left.
-        let _ = self.call.kill_and_reap(&self.workspace.workplace);
+        let _ = self.call.kill_and_reap(&self.workspace.work_dir);
     }
 }

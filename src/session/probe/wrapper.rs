@@ -1,4 +1,4 @@
-//! Requests the first files, a large file and malformed files to find faults of a wrapper, before `check` requests any case.
+//! Requests the first files, a large file and malformed files to find faults in a wrapper before `check` requests any case.
 //!
 //! A wrapper that loses bytes, swaps them, or exits with 1 fails hundreds of cases for reasons unrelated to the format. The run
 //! therefore ends at this point, with the messages of [`probe`](super::probe).
@@ -22,7 +22,7 @@ use super::repair::{Repair, repairs};
 use super::sample::Sample;
 use super::{message::ProbeFault, one_shot::malformed};
 
-/// Returns the faults of the wrapper of `decoder`, derived from its answers to the first files, a large file and malformed files.
+/// Returns the faults in the wrapper of `decoder`, derived from its answers to the first files, a large file and malformed files.
 /// Each fault has a fix, and states how many views are affected. `command` is empty if arguments cannot be appended to it.
 /// Refusals are tested only if the run judges cases that must be refused.
 #[must_use]

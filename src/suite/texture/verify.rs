@@ -62,7 +62,7 @@ fn compare(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, 
     let tolerance = Some(case.tolerance.unwrap_or(HAND_TOLERANCE));
     match case.read().and_then(|question| question.answer(rules)) {
         Ok(answer) => match difference(expect, &answer, tolerance) {
-            None => (Some(true), expected_fields(expect, &answer)),
+            None => (Some(true), format_checked_fields(expect, &answer)),
             Some(difference) => (Some(false), difference),
         },
         Err(Refusal::Malformed(why)) if expect.get("error").is_some() => {
@@ -74,8 +74,8 @@ fn compare(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, 
     }
 }
 
-/// Formats the expected fields of an answer.
-fn expected_fields(expect: &Value, answer: &Value) -> String {
+/// Formats the fields of `answer` that `expect` names.
+fn format_checked_fields(expect: &Value, answer: &Value) -> String {
     let field = |(name, _): (&String, _)| Some(format!("{name}: {}", answer.get(name)?));
     let fields = expect.as_object().into_iter().flatten();
     fields.filter_map(field).collect::<Vec<_>>().join(", ")
