@@ -108,6 +108,13 @@ impl<C: TestCase> Session<'_, C> {
         let is_legal = |&at: &usize| cases[case_indices[at]].expect() == Expect::Decode;
         let watch = HangWatch::new((0..case_indices.len()).filter(is_legal).collect());
         let state = Mutex::new((observations, 0));
+        let uncount = |observation: &Observation<C>| {
+            // True if the call ended in neither a frame nor a refusal, or a serving process did not answer.
+            let is_violation = matches!(observation.response, Response::Violation(_))
+                || observation.nondeterminism.is_some();
+            self.tally.calls.fetch_sub(1, Ordering::Relaxed);
+            (self.tally.violations).fetch_sub(is_violation.into(), Ordering::Relaxed);
+        };
         self.run_in_parallel(case_indices.len(), |at, worker| {
             let i = case_indices[at];
             let Some(view) = contact.offer.chosen_view(&cases[i]) else {
@@ -118,6 +125,7 @@ impl<C: TestCase> Session<'_, C> {
             }
             let (observation, reply) = self.observe(&cases[i], view, contact.table, worker);
             if stop.load(Ordering::Relaxed) {
+                uncount(&observation);
                 return false;
             }
             let (observations, done) = &mut *state.lock().expect("no worker panics");
@@ -131,11 +139,7 @@ impl<C: TestCase> Session<'_, C> {
         let Some(last) = watch.last() else { return };
         for &i in &case_indices[last + 1..] {
             if let Some(observation) = observations[i].take() {
-                // True if the call ended in neither a frame nor a refusal, or a serving process did not answer.
-                let is_violation = matches!(observation.response, Response::Violation(_))
-                    || observation.nondeterminism.is_some();
-                self.tally.calls.fetch_sub(1, Ordering::Relaxed);
-                (self.tally.violations).fetch_sub(is_violation.into(), Ordering::Relaxed);
+                uncount(&observation);
             }
         }
     }
@@ -185,6 +189,8 @@ impl<C: TestCase> Session<'_, C> {
         if ended_early.is_none() && self.repeat(table, &mut observations, &judgment, progress) {
             judgment = judge(suite, selected, &observations, &contact.offer);
         }
+        // The run may be interrupted while cases are repeated.
+        let ended_early = ended_early.or(self.end_reason());
         let reason = || all_unsupported_reason(suite, &observations);
         let not_a_decoder = contact.not_a_decoder.clone().or_else(reason);
         let run = self.run(contact, observations, judgment);
