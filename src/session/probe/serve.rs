@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-use crate::protocol::forms;
 use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, View};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::scratch::Workspace;
@@ -58,7 +57,7 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
     let after = |count: usize, name: &str| Err(Some((count, fault(name, &[]))));
     match dialog.ask(1, view, &whole) {
         ServeResult::Answer(line, bytes) => {
-            judge(&line, &bytes, view, right).map_err(|fault| Some((1, fault)))?;
+            judge(&line, &bytes, right).map_err(|fault| Some((1, fault)))?;
         }
         // Some programs mistake the word `serve` for a view and wait; others answer when their input ends.
         ServeResult::NoAnswer => match dialog.end() {
@@ -85,7 +84,7 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
     }
     list.add_good("serve: a malformed file is refused");
     match dialog.ask(3, view, &whole) {
-        ServeResult::Answer(line, bytes) if judge(&line, &bytes, view, right).is_ok() => {}
+        ServeResult::Answer(line, bytes) if judge(&line, &bytes, right).is_ok() => {}
         ServeResult::Answer(..) => return after(3, "serve-state"),
         _ => return after(3, "serve-third"),
     }
@@ -97,8 +96,8 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
 }
 
 /// Checks that an answer is equivalent to the frame returned in one-shot mode.
-fn judge(line: &str, bytes: &[u8], view: &View, expected: &Frame) -> Result<(), ProbeFault> {
-    let frame = forms::read(bytes, view, bytes.len().max(1 << 16)).map_err(|error| {
+fn judge(line: &str, bytes: &[u8], expected: &Frame) -> Result<(), ProbeFault> {
+    let frame = Frame::read(bytes).map_err(|error| {
         let name = match bytes.contains(&b'\n') {
             true => "serve-count",
             false => "serve-frame",
