@@ -32,12 +32,20 @@ pub(super) fn read(input: &mut Input) -> Result<Size> {
 fn read_positive(input: &mut Input, name: &'static str) -> Result<u32> {
     let too_small = input.unexpected("2.3/3", name);
     let too_large = input.unexpected("2.3/3", "a number of at most 4294967295");
-    let digits = input.rest().iter().take_while(|byte| byte.is_ascii_digit());
-    let end = input.at() + digits.count();
+    let sign = input
+        .rest()
+        .first()
+        .filter(|byte| matches!(byte, b'+' | b'-'));
+    let digits = input.rest().iter().skip(sign.iter().count());
+    let count = digits.take_while(|byte| byte.is_ascii_digit()).count();
+    let end = input.at() + sign.iter().count() + count;
     match input.integer("2.3/1", name) {
         Ok(0) => Err(too_small),
-        // The token consists of digits, and its value does not fit in a `u32`. The comparison of offsets excludes empty tokens.
-        Err(error) if input.at() == end && error.offset() < end => Err(too_large),
+        // The token is a decimal number, and its value does not fit in a `u32`.
+        Err(_) if input.at() == end && count > 0 => match sign {
+            Some(b'-') => Err(too_small),
+            _ => Err(too_large),
+        },
         read => read,
     }
 }
