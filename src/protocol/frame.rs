@@ -399,7 +399,7 @@ impl Frame {
         }
         let mut beginning = bytes.iter().take(MAX_LINE_LENGTH);
         let end = beginning.position(|&byte| byte == b'\n');
-        let end = end.ok_or("the PTM1 line is not terminated by a line feed")?;
+        let end = end.ok_or("the PTM1 line does not end in a line feed")?;
         let line = std::str::from_utf8(&bytes[..end]).map_err(|_| "the PTM1 line is not ASCII")?;
         let mut frame = Frame::parse_line(line)?;
         let samples = &bytes[end + 1..];
@@ -412,8 +412,9 @@ impl Frame {
             .into_iter()
             .fold(size, |product: u64, n| product.saturating_mul(n.into()));
         if needed != samples.len() as u64 {
+            let is_cut = (samples.len() as u64) < needed && bytes.len().is_multiple_of(65_536);
             let needed = byte_count(needed);
-            let hint = match bytes.len().is_multiple_of(65_536) {
+            let hint = match is_cut {
                 true => {
                     "; the output is truncated at a multiple of 65,536 bytes; does the program exit before its output is flushed?"
                 }
