@@ -132,36 +132,26 @@ pub(super) fn shared_scope(
     let properties = &witnesses.first()?.facts().properties;
     let range = if with_view { 0 } else { VIEW_PROPERTIES }..properties.len();
     let property = |index: usize| FileScope::Property(index, properties[index].0);
-    let scopes: Vec<FileScope> = formats
-        .into_iter()
+    let scopes = (formats.into_iter())
         .chain(range.map(property))
-        .chain(thresholds(witnesses, group, others))
-        .collect();
-    let found = scopes.iter().map(|scope| {
-        let indices = group
-            .iter()
-            .copied()
-            .filter(|&w| scope.contains(&witnesses[w]));
-        (scope, indices.collect::<Vec<usize>>())
+        .chain(thresholds(witnesses, group, others));
+    let shared = scopes.map(|scope| {
+        let is_inside = |w: &usize| scope.contains(&witnesses[*w]);
+        let cases = group.iter().copied().filter(is_inside).collect();
+        SharedScope { scope, cases }
     });
-    let found: Vec<(&FileScope, Vec<usize>)> =
-        found.filter(|(_, indices)| !indices.is_empty()).collect();
+    let found: Vec<SharedScope> = shared.filter(|one| !one.cases.is_empty()).collect();
     // Any of the other files could have been in this group instead.
     let share = group.len() as f64 / (group.len() + others.len()) as f64;
+    let candidates = found.len() as f64;
     let is_significant = |count: usize| {
-        let chance = share.powi(count as i32) * found.len() as f64;
+        let chance = share.powi(count as i32) * candidates;
         count >= MIN_SHARING_FILES && chance * COINCIDENCE_ODDS < 1.0
     };
-    let valid = found
-        .iter()
-        .filter(|(scope, indices)| is_significant(indices.len()) && is_pure(scope));
-    let most = valid.clone().map(|(_, indices)| indices.len()).max()?;
-    let mut largest = valid.filter(|(_, indices)| indices.len() == most);
-    let (scope, indices) = largest.next()?;
-    Some(SharedScope {
-        scope: (*scope).clone(),
-        cases: indices.clone(),
-    })
+    // Reversed, because `max_by_key` returns the last maximum.
+    let valid = (found.into_iter().rev())
+        .filter(|one| is_significant(one.cases.len()) && is_pure(&one.scope));
+    valid.max_by_key(|one| one.cases.len())
 }
 
 /// Returns scopes for thresholds that separate all files in `group` from all files in `others`.
