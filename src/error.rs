@@ -1,7 +1,8 @@
 //! Errors of the decoder: the fault, the violated clause, and the byte offset.
 //!
 //! A fault in the file ([`Class::Malformed`]), a feature that this decoder does not support ([`Class::Unsupported`]) and an
-//! exceeded limit ([`Class::Limit`]) are separate classes. The program has a separate exit status for each.
+//! exceeded limit ([`Class::Limit`]) are separate classes. The program exits with 65 for the first class and with 69
+//! for the others.
 
 use std::fmt;
 

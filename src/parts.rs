@@ -82,7 +82,7 @@ pub struct Number {
     pub at: usize,
 }
 
-/// A decoding plan. Every plan is valid: references exist and are decoded first, and sizes are nonnegative.
+/// A decoding plan. In the reference's plans, references exist and are decoded first, and sizes are nonnegative.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// Compression parameter.

@@ -376,7 +376,7 @@ impl Limits {
 pub struct Field {
     /// Clause that requires the field.
     pub clause: &'static str,
-    /// Name of the field: `width`, `scale`, `table`.
+    /// What the clause requires here, as in error messages: `a width of at least 1`, `a scale`.
     pub name: &'static str,
     /// Byte range of the field in the file.
     pub range: Range<usize>,

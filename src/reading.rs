@@ -2,7 +2,7 @@
 //!
 //! A [`Reading`] has one function for each decision. In [`Reading::SPEC`], the reading of the reference, each decision is the
 //! function in [`mod@crate::decode`] or [`crate::evaluate`] that implements and explains the clause. The decoder calls only these
-//! functions. For a different reading of an open question, or for a deliberate mistake, replace the function.
+//! functions. [`Reading::with_alternative`] replaces functions for other readings of an open question.
 
 use std::borrow::Cow;
 

@@ -15,7 +15,7 @@
 //! - No public file displaces a reference. Displacement involves five choices (rulings `motion-…`). Here, the
 //!   predictor at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, where row 0 is the bottom
 //!   row of the image. Halves are rounded up, and samples outside the plane replicate its edge.
-//! - Every plane has a vector, but the vector applies only if the transform has bit 2.
+//! - Every plane has a vector, but the vector applies only if the transform has the bit of value 2.
 //! - Both transforms apply to a copy of the reference, not to the residual or the result. The reference, which is
 //!   also a plane in the file, does not change.
 

@@ -152,8 +152,8 @@ fn is_weak(search: &Search, set: &[MistakeId], i: usize, share: &Share, left: &[
     };
     let (witnesses, explained) = (search.witnesses, &share.explains);
     let alone = &set[i..=i];
-    let refuses = |w, set| search.agreement(w, set) == Agreement::Contradiction;
-    let is_read = |w: &&usize| refuses(**w, alone) && refuses(**w, set);
+    let would_refuse = |w, set| search.agreement(w, set) == Agreement::Contradiction;
+    let is_read = |w: &&usize| would_refuse(**w, alone) && would_refuse(**w, set);
     let read = search.failing().iter().filter(is_read).count();
     let contradictions = read + search.contradictions(alone).len();
     let is_guess = || acceptances::describe_observation(witnesses, explained, misreading).is_some();

@@ -49,8 +49,8 @@ use search::Search;
 use tuning::MIN_SUPPORT;
 use witness::{reference_reading, witnesses};
 
-/// Returns the causes of the failures in `run`, the cause with the most failures first. `assumed` lists mistakes that the user
-/// knows about. If the user interrupts the search, most failures are left without a cause.
+/// Returns the causes of the failures in `run`. Certain causes, and causes with many failures, come first. `assumed` lists
+/// mistakes that the user knows about. If the user interrupts the search, most failures are left without a cause.
 #[must_use]
 pub fn diagnose(suite: &Suite, run: &Run, assumed: &[&'static Misreading], jobs: usize) -> Causes {
     let start = cpu_time();
@@ -62,15 +62,9 @@ pub fn diagnose(suite: &Suite, run: &Run, assumed: &[&'static Misreading], jobs:
 }
 
 /// Returns the CPU time of this process, if the system reports it.
-#[cfg(unix)]
 fn cpu_time() -> Option<Duration> {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
     Duration::try_from(time).ok()
-}
-
-#[cfg(not(unix))]
-fn cpu_time() -> Option<Duration> {
-    None
 }
 
 /// Like [`diagnose`], but with a custom source of candidates outside the catalog.

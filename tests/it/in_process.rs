@@ -14,7 +14,7 @@ pub fn suite() -> Suite {
     Suite::load().expect("the suite loads")
 }
 
-/// Returns the suite with prepared files. To save time, files of more than 64 KiB are included only in LUM and PTM_LUT.
+/// Returns the suite with prepared files. To save time, files of more than 64 KiB are included only in LUM and `PTM_LUT`.
 pub fn suite_of_small_files() -> Suite {
     let mut suite = suite().with_prepared_files();
     let is_small = |case: &Case| case.build(TableSpelling::default()).file.len() <= 1 << 16;

@@ -170,7 +170,7 @@ pub(in crate::diagnose) fn describe_observation(
 }
 
 /// Describes the failures on the legal files in `indices` if the evidence for the misreading is weak because few of the responses
-/// are images. Returns `None` if the misreading predicts the refusals, and so does no misreading of another clause in `others`.
+/// are images. Returns `None` if the misreading predicts the refusals, and all misreadings in `others` have the same clause.
 pub(in crate::diagnose) fn describe_non_images(
     witnesses: &[Witness],
     indices: &[usize],
