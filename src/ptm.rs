@@ -376,7 +376,7 @@ impl Limits {
 pub struct Field {
     /// Clause that requires the field.
     pub clause: &'static str,
-    /// What the clause requires here, as in error messages: `a width of at least 1`, `a scale`.
+    /// The requirement on the field, as in error messages: `a width of at least 1`, `a scale`.
     pub name: &'static str,
     /// Byte range of the field in the file.
     pub range: Range<usize>,
