@@ -11,7 +11,7 @@ pub(super) const CRASH_SCORE: i64 = 3;
 pub(super) const PARTIAL_IMAGE_SCORE: usize = 6;
 /// Score of an image of a file that a decoder with the mistake would refuse. The decoder evidently does not make this mistake.
 pub(super) const REFUSED_IMAGE_SCORE: i64 = -8;
-/// Score of a passing case that a decoder with the mistake would fail: that of an image, with the opposite sign.
+/// Score of a passing case that a decoder with the mistake would fail: the negative of `IMAGE_SCORE`.
 pub(super) const CONTRADICTION_SCORE: i64 = -16;
 /// Score of a correct response to a lenient case, if it differs from the answer of a decoder with the mistake.
 pub(super) const OTHER_LENIENT_ANSWER_SCORE: i64 = -1;

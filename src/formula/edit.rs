@@ -6,7 +6,7 @@ use super::formulas::Formula;
 /// A formula, and what a decoder computes instead.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Edit {
-    /// Formula that is edited.
+    /// The formula being edited.
     pub formula: Formula,
     /// Replacement for the formula.
     pub change: EditedForm,

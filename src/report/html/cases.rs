@@ -114,7 +114,7 @@ pub(super) fn failures<C: Reportable>(
             } @else if evidence.len() < failures {
                 p.note {
                     "Images and bytes are shown for " (evidence.len()) " of " (failures)
-                    " failures, beginning with one failure of each cause; a page contains at most " (MAX_EVIDENCE_BYTES / 1000) " kB of them."
+                    " failures, beginning with one failure for each cause; a page contains at most " (MAX_EVIDENCE_BYTES / 1000) " kB of them."
                 }
             }
             @for (i, group) in groups.iter().enumerate() {
