@@ -32,19 +32,21 @@ pub(super) fn read(input: &mut Input) -> Result<Size> {
 fn read_positive(input: &mut Input, name: &'static str) -> Result<u32> {
     let too_small = input.unexpected("2.3/3", name);
     let too_large = input.unexpected("2.3/3", "a number of at most 4294967295");
-    let sign = input
-        .rest()
-        .first()
-        .filter(|byte| matches!(byte, b'+' | b'-'));
-    let digits = input.rest().iter().skip(sign.iter().count());
-    let count = digits.take_while(|byte| byte.is_ascii_digit()).count();
-    let end = input.at() + sign.iter().count() + count;
+    let rest = input.rest();
+    let is_negative = rest.starts_with(b"-");
+    let unsigned = rest.strip_prefix(b"+").or(rest.strip_prefix(b"-"));
+    let number = unsigned.unwrap_or(rest);
+    let digits = number
+        .iter()
+        .take_while(|byte| byte.is_ascii_digit())
+        .count();
+    let end = input.at() + rest.len() - number.len() + digits;
     match input.integer("2.3/1", name) {
         Ok(0) => Err(too_small),
         // The token is a decimal number, and its value does not fit in a `u32`.
-        Err(_) if input.at() == end && count > 0 => match sign {
-            Some(b'-') => Err(too_small),
-            _ => Err(too_large),
+        Err(_) if input.at() == end && digits > 0 => match is_negative {
+            true => Err(too_small),
+            false => Err(too_large),
         },
         read => read,
     }

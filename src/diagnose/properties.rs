@@ -227,7 +227,7 @@ fn prediction_properties(f: &File) -> [Property; 14] {
     let has_records = |plane: usize| !f.planes[plane].records.is_empty();
     let corrected = || (0..f.planes.len()).filter(|&plane| has_records(plane));
     let is_corrected = corrected().next().is_some();
-    let is_exact = is_corrected && has(|plan| plan.parameter == 0);
+    let unneeded = is_corrected && has(|plan| plan.parameter == 0);
     let displaces = has(Compression::displaces);
     let inverts = has(Compression::inverts);
     let corrects_intra = corrected().any(|plane| reference(plane).is_none());
@@ -247,7 +247,7 @@ fn prediction_properties(f: &File) -> [Property; 14] {
         ("2.9.4/2 with prediction from a later plane", is_later),
         ("2.9.4/2 with prediction from a predicted plane", is_chained),
         ("2.9.8/4 with side information", is_corrected),
-        ("2.9.8/4 with side information and parameter 0", is_exact),
+        ("2.9.8/4 with side information and parameter 0", unneeded),
         (
             "2.9.8/7 with side information for intra-coded planes",
             corrects_intra,

@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt::{self, Write};
 
 use serde::Serialize;
-use similar::algorithms::{Capture, Compact, Replace, myers};
+use similar::{Algorithm, DiffTag, capture_diff_slices};
 
 use crate::kit::yaml::to_yaml;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
@@ -210,10 +210,8 @@ fn write_lines(out: &mut String, indent: &str, name: &str, old: &str, new: &str)
         writeln!(out, "{indent}{name}:")?;
     }
     let (old, new): (Vec<&str>, Vec<&str>) = (old.lines().collect(), new.lines().collect());
-    let mut changes = Compact::new(Replace::new(Capture::new()), &*old, &*new);
-    let Ok(()) = myers::diff(&mut changes, &*old, 0..old.len(), &*new, 0..new.len());
-    for change in changes.into_inner().into_inner().into_ops() {
-        if change.tag() != similar::DiffTag::Equal {
+    for change in capture_diff_slices(Algorithm::Myers, &old, &new) {
+        if change.tag() != DiffTag::Equal {
             for line in &old[change.old_range()] {
                 writeln!(out, "{indent}  - {line}")?;
             }

@@ -84,19 +84,20 @@ fn format_color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> Stri
 
 /// Formats a number with all its digits, in parentheses if it is negative.
 fn exact_number(value: f64) -> String {
-    let digits = format!("{:?}", value.abs());
-    let digits = digits.trim_end_matches(".0");
-    match value < 0.0 {
-        true => format!("(−{digits})"),
-        false => digits.to_owned(),
-    }
+    let format = |size: f64| format!("{size:?}").trim_end_matches(".0").to_owned();
+    format_signed(value, format)
 }
 
 /// Formats a number with at most four decimal places, in parentheses if it is negative.
 fn parenthesize(value: f64) -> String {
+    format_signed(value, short_number)
+}
+
+fn format_signed(value: f64, format: impl Fn(f64) -> String) -> String {
+    let digits = format(value.abs());
     match value < 0.0 {
-        true => format!("(−{})", short_number(-value)),
-        false => short_number(value),
+        true => format!("(−{digits})"),
+        false => digits,
     }
 }
 
