@@ -61,7 +61,7 @@ pub(super) fn attribute_failures(
     let members = found.iter().zip(shares);
     let others = members
         .filter(|(_, share)| !share.explains.is_empty())
-        .map(|(member, share)| (member.id, diagnose_member(search, member, &share)));
+        .map(|(member, share)| (member.id, diagnose_member(search, member, &share, &left)));
     diagnoses.extend(others);
     (diagnoses, left)
 }
@@ -190,7 +190,7 @@ fn is_incompatible(search: &Search, set: &[MistakeId], shares: &[Share], index: 
     conflicts.into_iter().filter(|conflicts| *conflicts).count() > own
 }
 
-fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis {
+fn diagnose_member(search: &Search, member: &Member, share: &Share, left: &[usize]) -> Diagnosis {
     let witnesses = search.witnesses;
     let listed = |set: &[MistakeId]| -> Vec<&'static Misreading> {
         let mistakes = set.iter().map(|&id| &search.mistakes[id]);
@@ -198,7 +198,7 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
     };
     let mistake = &search.mistakes[member.id];
     let Some(misreading) = mistake.unrestricted_misreading() else {
-        return diagnose_edit(search, mistake, share);
+        return diagnose_edit(search, mistake, share, left);
     };
     // A mistake that is restricted to some files differs from the misreading in the catalog.
     let alike = member
@@ -229,13 +229,28 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share) -> Diagnosis
 }
 
 /// Returns the diagnosis for an edit of a formula, or for a misreading that is restricted to some files or channels.
-fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share) -> Diagnosis {
+fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share, left: &[usize]) -> Diagnosis {
     let witnesses = search.witnesses;
     let misreading = mistake.misreading;
     let files = match &mistake.scope {
         // An edit may change nothing in other formats.
         FileScope::All => formats_phrase(witnesses, &share.explains),
-        scope => format!(", only in files {}", scope.describe()),
+        scope => {
+            // The decoder may make the same mistake in the other files, with other results.
+            let is_open = |w: &&usize| {
+                let format = witnesses[**w].case.format();
+                let mut explained = share.explains.iter();
+                FailureMode::new(&witnesses[**w]).is_none()
+                    && witnesses[**w].case.expect == Expect::Decode
+                    && !scope.contains(&witnesses[**w])
+                    && explained.any(|&other| witnesses[other].case.format() == format)
+            };
+            let open = left.iter().filter(is_open).count();
+            match is_few(open, share.explains.len()) {
+                true => format!(", only in files {}", scope.describe()),
+                false => format!(", in files {}", scope.describe()),
+            }
+        }
     };
     let (effect, fix) = match (mistake.catalog_misreading(), misreading.step) {
         (None, Hook::Edits([edit])) => {

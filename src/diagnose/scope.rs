@@ -85,8 +85,10 @@ impl FileScope {
                     false => ["most", "least"],
                 };
                 let words = words.replace("{}", &format!("at {here} {bound}"));
-                let words = words.replace("with at most 0 ", "with no ");
-                format!("{words} (other files: at {there} {other})")
+                match words == "with at most 0 records in one plane" {
+                    true => "without side information".to_owned(),
+                    false => format!("{words} (other files: at {there} {other})"),
+                }
             }
         }
     }

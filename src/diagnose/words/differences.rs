@@ -12,7 +12,7 @@ use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::{failure_mode::FailureMode, pair::ImagePair, witness::Witness};
 use crate::protocol::frame::{Answer, Frame, ViewKind};
-use crate::ptm::{Format, ScaleBias, channel_name};
+use crate::ptm::{Coding, Format, ScaleBias, channel_name};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 use crate::suite::compare::{Expected, format_distinct};
@@ -71,7 +71,7 @@ impl Phase {
                 "compare the order of rows, columns, blocks and channels with the clause",
             ],
             Phase::Stream => [
-                "shows wrong values in planes that are neither predicted nor corrected",
+                "shows wrong values, also in planes that are neither predicted nor corrected",
                 "decode the stream in the example with another JPEG or JPEG-LS decoder and compare the samples; try the test images of the standard",
             ],
             Phase::Prediction => [
@@ -128,12 +128,29 @@ impl Phase {
 /// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes found.
 pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagnosis> {
     let mut steps = search.par_map(left, |&w| first_difference(search, set, w));
+    let format = |w: usize| search.witnesses[w].case.format();
+    // Wrong residuals explain wrong predicted planes if more files have wrong planes that are not predicted.
+    for coding in [Coding::Jpeg, Coding::JpegLs] {
+        let mut in_coding: Vec<usize> = (0..left.len()).collect();
+        in_coding.retain(|&i| format(left[i]).coding() == Some(coding));
+        let count = |step| in_coding.iter().filter(|i| steps[**i] == step).count();
+        let streams = count(Phase::Stream);
+        let others = streams + count(Phase::Rearranged) + count(Phase::StoredValue);
+        if others > count(Phase::Prediction) {
+            in_coding.retain(|&i| steps[i] == Phase::Prediction);
+            let step = if streams > 0 {
+                Phase::Stream
+            } else {
+                Phase::StoredValue
+            };
+            in_coding.into_iter().for_each(|i| steps[i] = step);
+        }
+    }
     // If files without streams also have wrong values, the mistake is in a step after the streams.
     if steps.contains(&Phase::StoredValue) {
         let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
         streams.for_each(|step| *step = Phase::StoredValue);
     }
-    let format = |w: usize| search.witnesses[w].case.format();
     let mut step_of: HashMap<usize, Phase> = left.iter().copied().zip(steps).collect();
     follow_earlier_steps(search, set, &mut step_of);
     let mut by_step: BTreeMap<Phase, Vec<usize>> = BTreeMap::new();
@@ -320,9 +337,13 @@ fn difference_text(
         _ => clause,
     };
     let [effect, fix] = step.effect_and_fix();
-    let (only, views) = (channel_text(&wrong), views_phrase(witnesses, indices));
+    let effect = match swapped_channels(search, set, indices, &wrong) {
+        Some([first, second]) => format!("swaps {first} and {second}"),
+        None => format!("{effect}{}", channel_text(&wrong)),
+    };
+    let views = views_phrase(witnesses, indices);
     let text = CauseText {
-        effect: format!("{effect}{only}, in {}{views}", part.files),
+        effect: format!("{effect}, in {}{views}", part.files),
         fix: fix.to_owned(),
         example: example_with_mistakes(search, set, smallest_file(witnesses, indices)),
     };
@@ -367,6 +388,32 @@ pub(in crate::diagnose) fn wrong_channels(
     }
     let is_wrong = |channel: usize| pairs.iter().any(|pair| pair.wrong_channels()[channel]);
     (0..count).map(is_wrong).collect()
+}
+
+/// Returns the names of the two wrong channels if each has the correct values of the other in all images.
+fn swapped_channels(
+    search: &Search,
+    set: &[MistakeId],
+    indices: &[usize],
+    wrong: &[bool],
+) -> Option<[String; 2]> {
+    let channels: Vec<usize> = (0..wrong.len()).filter(|&channel| wrong[channel]).collect();
+    let [first, second] = channels[..] else {
+        return None;
+    };
+    let is_swapped = |&w: &usize| {
+        let pair = image_pair(search, set, w).filter(|pair| pair.channels == wrong.len());
+        pair.is_some_and(|mut pair| {
+            let texels = pair.expected.chunks_exact_mut(pair.channels);
+            texels.for_each(|texel| texel.swap(first, second));
+            pair.wrong_samples().is_empty()
+        })
+    };
+    let name = |channel| channel_name(wrong.len(), channel);
+    indices
+        .iter()
+        .all(is_swapped)
+        .then(|| [name(first), name(second)])
 }
 
 /// Returns text such as ", only in a3" if all other channels are correct.
