@@ -21,7 +21,7 @@ fn report_page_works_in_a_browser() {
          tail -n +2 frame | tr '\\000-\\377' '\\001-\\377\\000'\n"
     );
     here.write_program("decoder", script);
-    let cases = "--case *lrgb* --case hand-*";
+    let cases = "--case first-* --case hand-* --case motion-*";
     here.check(&format!("{cases} --html report.html -- ./decoder"))
         .assert_exit(1, "");
     here.succeeds("check --report published.yaml");
