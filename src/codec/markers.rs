@@ -51,7 +51,7 @@ impl fmt::Display for Marker {
 
 /// A read position in a stream or in one of its marker segments.
 ///
-/// A segment is the same stream with an earlier end, so all offsets have the same origin.
+/// The cursor of a segment contains the stream up to the end of the segment, so offsets count from the start of the stream.
 pub(crate) struct Cursor<'a> {
     pub stream: &'a [u8],
     pub at: usize,

@@ -130,12 +130,12 @@ fn half_texel_sample(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Readi
     (reading.motion_half)(corners.map(|(x, y)| (reading.motion_border)(plane, size, x, y)))
 }
 
-/// Returns the displacement if vectors point from the texel to its predictor (clause 2.9.3/3, ruling `motion-sign`).
+/// Returns the displacement of a predictor if vectors point from the texel to its predictor (clause 2.9.3/3, ruling `motion-sign`).
 pub(crate) fn texel_to_predictor(displacement: i64) -> i64 {
     displacement
 }
 
-/// Returns the displacement if vectors point from the predictor to the texel (alternative to ruling `motion-sign`).
+/// Returns the displacement of a predictor if vectors point from the predictor to the texel (alternative to ruling `motion-sign`).
 pub(crate) fn predictor_to_texel(displacement: i64) -> i64 {
     displacement.saturating_neg()
 }

@@ -26,7 +26,7 @@ use crate::suite::cases::{Case, Suite, TableSpelling};
 use crate::suite::dialect::{Choice, Dialect};
 use crate::suite::{choices::CHOICES, compare::Expected};
 
-/// Maximum number of texels in a generated file. Small files let a fuzz target run thousands of them per second.
+/// Maximum number of texels in a generated file. A fuzz target can process thousands of small files per second.
 const MAX_TEXELS: u32 = 3000;
 /// Maximum size, in bytes, of the planes in an arbitrary file.
 const MAX_MEMORY: usize = 1 << 24;

@@ -47,7 +47,7 @@ impl Model {
         } else if recipe.format.has_table() {
             model.paint_table(recipe);
         } else if let Some(first) = recipe.first_byte {
-            // The payload begins with a0 of the bottom left texel.
+            // The payload begins with a0 of the bottom-left texel.
             model.samples[(texels - recipe.size.width as usize) * channels] = first;
         }
         model
