@@ -358,10 +358,6 @@ impl Default for Limits {
 
 impl Limits {
     /// Checks that `needed` bytes are within the limit. `at` is the offset of the declaration, for errors.
-    #[expect(
-        clippy::trivially_copy_pass_by_ref,
-        reason = "limits and headers are passed by reference regardless of their size"
-    )]
     pub(crate) fn check(&self, needed: u64, at: usize) -> error::Result<()> {
         if needed > self.memory as u64 {
             let limit = self.memory;
@@ -376,7 +372,7 @@ impl Limits {
 pub struct Field {
     /// Clause that requires the field.
     pub clause: &'static str,
-    /// The requirement on the field, as in error messages: `a width of at least 1`, `a scale`.
+    /// Description of the field, as used in error messages: `a width of at least 1`, `a scale`.
     pub name: &'static str,
     /// Byte range of the field in the file.
     pub range: Range<usize>,

@@ -13,7 +13,7 @@ use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::ptm::Size;
 use ptm_conform::suite::texture::cases::parse_cases;
-use ptm_conform::suite::texture::question::{EntryGiven, Question};
+use ptm_conform::suite::texture::question::{GivenEntry, Question};
 use ptm_conform::suite::texture::verify::verify;
 use ptm_conform::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
 use ptm_conform::tools::render::{encode_image, rgb};
@@ -177,7 +177,7 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
             fields.entry(name).or_insert_with(|| value.into());
         }
     }
-    let given: EntryGiven =
+    let given: GivenEntry =
         serde_json::from_value(fields).map_err(|error| format!("--entry: {error}"))?;
     let map = match &args.map {
         None => TextureMap::checkerboard(&Rules::SPEC),

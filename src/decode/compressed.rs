@@ -60,10 +60,6 @@ pub(crate) struct Streams<'a> {
 
 impl<'a> Streams<'a> {
     /// Reads everything from the parameter to the last stream.
-    #[expect(
-        clippy::trivially_copy_pass_by_ref,
-        reason = "limits and headers are passed by reference regardless of their size"
-    )]
     pub(crate) fn read(
         header: &Header,
         coding: Coding,
@@ -118,10 +114,6 @@ impl<'a> Streams<'a> {
     }
 }
 
-#[expect(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "limits and headers are passed by reference regardless of their size"
-)]
 pub(super) fn read(
     header: &Header,
     coding: Coding,

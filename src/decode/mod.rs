@@ -192,10 +192,6 @@ pub(crate) fn read_header(input: &mut Input) -> Result<Header> {
 }
 
 /// Reads the values (2.5–2.9). Bytes after the last value are ignored (ruling `trailing`).
-#[expect(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "limits and headers are passed by reference regardless of their size"
-)]
 fn read_values<'a>(
     header: &Header,
     input: &mut Input<'a>,

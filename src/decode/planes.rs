@@ -37,10 +37,6 @@ use crate::reading::Reading;
 
 /// Reads the payload of a compressed file. Returns an error if the payload is incomplete (clause 2.9.8/2, ruling `payload-end`)
 /// or its planes are too large. `declared_size` is the size of the payload if the byte ranges in `plan` overflow.
-#[expect(
-    clippy::trivially_copy_pass_by_ref,
-    reason = "limits and headers are passed by reference regardless of their size"
-)]
 pub(super) fn take_payload<'a>(
     header: &Header,
     plan: &Plan,

@@ -12,6 +12,7 @@ use super::words::{acceptances, differences, formats_phrase};
 use crate::formula::EditedForm;
 use crate::misreadings::{Hook, Misreading, Stage, Symptom};
 use crate::protocol::frame::ProcessEnd;
+use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
 /// Failures listed under one mistake, and the other mistakes needed to explain them.
@@ -52,7 +53,6 @@ pub(super) fn attribute_failures(
     for index in 0..set.len() {
         if is_weak(search, &set, index, &shares[index], &left)
             || is_incompatible(search, &set, &shares, index)
-            || has_earlier_failures(search.witnesses, &shares[index].explains, &left)
             || is_minor(search.witnesses, &shares[index].explains, &left)
         {
             left.append(&mut shares[index].explains);
@@ -66,40 +66,23 @@ pub(super) fn attribute_failures(
     (diagnoses, left)
 }
 
-/// Returns true if many unexplained wrong images have the same formats as the explained ones but belong to earlier views. "Many"
-/// means more than half the number of explained failures. A mistake in an earlier step may explain the later images as well.
-fn has_earlier_failures(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
-    let kind = |&w: &usize| witnesses[w].observation.view.kind();
-    let format = |&w: &usize| witnesses[w].case.format();
-    let earliest = explained.iter().map(kind).min();
-    let is_earlier = |w: &&usize| {
-        Some(kind(w)) < earliest
-            && FailureMode::new(&witnesses[**w]).is_none()
-            && witnesses[**w].case.expect == Expect::Decode
-            && explained.iter().any(|other| format(other) == format(w))
-    };
-    let earlier = left.iter().filter(is_earlier).count();
-    earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
-}
-
-/// Returns true if the explained failures are mostly images of legal files, but more than three times as many wrong images remain
-/// unexplained in the same formats and views. A more general mistake may explain all of these images. Images in later views do
-/// not count, because a mistake in a later step may explain them.
+/// Returns true if a more general mistake may explain the failures: in the same formats and the same or earlier views, either
+/// - more than three times as many wrong images remain unexplained, and the explained failures are mostly images, or
+/// - the unexplained images of earlier views number more than half of the explained failures.
+///
+/// Images in later views do not count, because a mistake in a later step may explain them.
 fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
     let kind = |w: &usize| witnesses[*w].observation.view.kind();
     let earliest = explained.iter().map(kind).min();
     let format = |w: &usize| witnesses[*w].case.format();
-    let is_image = |w: &usize| {
-        let witness = &witnesses[*w];
-        witness.case.expect == Expect::Decode && FailureMode::new(witness).is_none()
-    };
-    let is_open = |w: &&usize| {
-        let is_same_format = || explained.iter().any(|other| format(other) == format(w));
-        is_image(w) && Some(kind(w)) <= earliest && is_same_format()
-    };
-    let open = left.iter().filter(is_open).count();
+    let is_image = |w: &usize| witnesses[*w].is_image_of_legal_file();
+    let has_same_format = |w: &usize| explained.iter().any(|other| format(other) == format(w));
+    let mut open = left.to_vec();
+    open.retain(|w| is_image(w) && Some(kind(w)) <= earliest && has_same_format(w));
+    let earlier = open.iter().filter(|w| Some(kind(w)) < earliest).count();
     let images = explained.iter().filter(|w| is_image(w)).count();
-    is_most(images, explained.len()) && !is_substantial(images, images + open)
+    earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
+        || is_most(images, explained.len()) && !is_substantial(images, images + open.len())
 }
 
 /// Describes the formats in `whole`, whose legal files all fail in the same way. Drops mistakes that explain only these failures.
@@ -237,13 +220,12 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share, left: &[usiz
         FileScope::All => formats_phrase(witnesses, &share.explains),
         scope => {
             // The decoder may make the same mistake in the other files, with other results.
+            let formats = share.explains.iter().map(|&w| witnesses[w].case.format());
+            let formats: Vec<Format> = formats.collect();
             let is_open = |w: &&usize| {
-                let format = witnesses[**w].case.format();
-                let mut explained = share.explains.iter();
-                FailureMode::new(&witnesses[**w]).is_none()
-                    && witnesses[**w].case.expect == Expect::Decode
-                    && !scope.contains(&witnesses[**w])
-                    && explained.any(|&other| witnesses[other].case.format() == format)
+                let witness = &witnesses[**w];
+                let is_other = !scope.contains(witness) && formats.contains(&witness.case.format());
+                is_other && witness.is_image_of_legal_file()
             };
             let open = left.iter().filter(is_open).count();
             match is_few(open, share.explains.len()) {

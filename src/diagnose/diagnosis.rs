@@ -4,7 +4,7 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::witness::Witness;
+use super::{tuning::is_most, witness::Witness, words::shared_clause};
 use crate::misreadings::{Hook, Misreading};
 
 /// A cause and the cases that it explains.
@@ -126,7 +126,7 @@ impl<A> Diagnosis<A> {
 }
 
 impl Diagnosis {
-    /// Creates a diagnosis that describes the witnesses at `indices`, with the clause that is most specific to them.
+    /// Creates a diagnosis that describes the witnesses at `indices`, with the first clause of most of them.
     pub(super) fn from_description(
         category: Category,
         witnesses: &[Witness],
@@ -135,7 +135,7 @@ impl Diagnosis {
     ) -> Diagnosis {
         let cause = Cause::Described {
             category,
-            clause: common_clause(witnesses, indices).unwrap_or_default(),
+            clause: most_frequent_clause(witnesses, indices).to_owned(),
             effect: text.effect,
             fix: text.fix,
             example: text.example,
@@ -164,23 +164,11 @@ impl Diagnosis {
     }
 }
 
-/// Returns the clause that is most specific to these cases: common among them, and rare among all cases.
-fn common_clause(witnesses: &[Witness], indices: &[usize]) -> Option<String> {
-    let has_clause = |clause: &String, w: &&usize| witnesses[**w].case.clauses.contains(clause);
-    let all: Vec<usize> = (0..witnesses.len()).collect();
-    let mut clauses: Vec<&String> = indices
-        .iter()
-        .flat_map(|&w| &witnesses[w].case.clauses)
-        .collect();
-    clauses.sort();
-    clauses.dedup();
-    let score = |clause: &String| {
-        let count = |cases: &[usize]| cases.iter().filter(|w| has_clause(clause, w)).count();
-        let (here, total) = (count(indices), count(&all));
-        (here * here * here) as f64 / total as f64
-    };
-    clauses
-        .into_iter()
-        .max_by(|a, b| score(a).total_cmp(&score(b)).then(b.cmp(a)))
-        .cloned()
+/// Returns the first clause of most of these cases or, if there is none, the clause about the layout that the files share.
+fn most_frequent_clause<'a>(witnesses: &'a [Witness], indices: &[usize]) -> &'a str {
+    let clause = |w: &usize| &*witnesses[*w].case.clauses[0];
+    let count = |clause_of: &str| indices.iter().filter(|w| clause(w) == clause_of).count();
+    let mut clauses = indices.iter().map(clause);
+    let most = clauses.find(|&one| is_most(count(one), indices.len()));
+    most.unwrap_or_else(|| shared_clause(witnesses, indices))
 }

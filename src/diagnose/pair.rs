@@ -29,6 +29,20 @@ impl ImagePair {
         })
     }
 
+    /// Returns the samples of one channel.
+    pub fn channel(&self, channel: usize) -> ImagePair {
+        let select = |values: &[f64]| {
+            let values = values.iter().skip(channel);
+            values.step_by(self.channels).copied().collect()
+        };
+        ImagePair {
+            channels: 1,
+            expected: select(&self.expected),
+            received: select(&self.received),
+            ..*self
+        }
+    }
+
     /// Returns the indices of the samples that differ by more than the tolerance of the view.
     pub fn wrong_samples(&self) -> Vec<usize> {
         let (expected, received) = (&self.expected, &self.received);

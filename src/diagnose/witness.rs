@@ -231,6 +231,12 @@ impl Witness<'_> {
         })
     }
 
+    /// Returns true if the file is legal and the response is an image.
+    pub fn is_image_of_legal_file(&self) -> bool {
+        let is_image = matches!(self.observation.response, Response::Image { .. });
+        is_image && self.case.expect == Expect::Decode
+    }
+
     /// Returns how well `answer` agrees with the response to a failing case.
     pub fn agreement(&self, answer: &Answer) -> Agreement {
         match (&self.observation.response, answer) {

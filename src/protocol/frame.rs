@@ -221,7 +221,7 @@ pub struct Frame {
     pub channels: u32,
     /// `height * width * channels` samples.
     pub samples: Samples,
-    /// True if the samples were compressed with loss, as in a JPEG image.
+    /// True if the samples were compressed lossily, as in a JPEG image.
     pub lossy: bool,
 }
 
@@ -301,6 +301,19 @@ impl Hash for Frame {
 }
 
 impl Frame {
+    /// Creates a frame of this width, height and number of channels, whose samples were not compressed lossily.
+    pub(crate) fn exact(view: ViewKind, shape: [u32; 3], samples: Samples) -> Frame {
+        let [width, height, channels] = shape;
+        Frame {
+            view,
+            width,
+            height,
+            channels,
+            samples,
+            lossy: false,
+        }
+    }
+
     /// Returns true if both frames are bitwise equal. A NaN equals only a NaN with the same bits.
     #[must_use]
     pub fn is_equivalent(&self, other: &Frame) -> bool {
@@ -333,19 +346,14 @@ impl Frame {
 
     /// Renders `ptm` in `view` under a reading, with some formulas edited.
     pub(crate) fn render_edited(ptm: &Ptm, view: &View, reading: &Reading, edits: Edits) -> Frame {
-        let kind = view.kind();
-        Frame {
-            view: kind,
-            width: ptm.planes.size.width,
-            height: ptm.planes.size.height,
-            channels: kind.channels(ptm.planes.shape.channels()) as u32,
-            samples: match view {
-                // Bytes are copied without a conversion to real numbers.
-                View::Raw => Samples::U8(formula::stored_values(ptm, edits).planes.samples.clone()),
-                _ => kind.samples(&view.values(ptm, reading, edits)),
-            },
-            lossy: false,
-        }
+        let (kind, size) = (view.kind(), ptm.planes.size);
+        let channels = kind.channels(ptm.planes.shape.channels()) as u32;
+        let samples = match view {
+            // Bytes are copied without a conversion to real numbers.
+            View::Raw => Samples::U8(formula::stored_values(ptm, edits).planes.samples.clone()),
+            _ => kind.samples(&view.values(ptm, reading, edits)),
+        };
+        Frame::exact(kind, [size.width, size.height, channels], samples)
     }
 
     /// Writes the PTM1 line and the samples.
@@ -452,8 +460,8 @@ impl Frame {
             let number = is_digits.then(|| word.parse::<u32>().ok()).flatten();
             number.ok_or_else(|| format!("{word:?} in {line:?} is not a number"))
         };
-        let (width, height, channels) = (number(width)?, number(height)?, number(channels)?);
-        if [width, height, channels].contains(&0) {
+        let shape = [number(width)?, number(height)?, number(channels)?];
+        if shape.contains(&0) {
             return Err(format!("{line:?} announces an image without texels"));
         }
         let samples = match kind {
@@ -461,14 +469,7 @@ impl Frame {
             "f32" => Samples::F32(Vec::new()),
             _ => return Err(format!("unknown type in {line:?}; types are u8 and f32")),
         };
-        Ok(Frame {
-            view,
-            width,
-            height,
-            channels,
-            samples,
-            lossy: false,
-        })
+        Ok(Frame::exact(view, shape, samples))
     }
 }
 

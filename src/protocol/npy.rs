@@ -52,14 +52,7 @@ pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
         let values = data.as_chunks::<4>().0;
         Samples::F32(values.iter().copied().map(f32::from_le_bytes).collect())
     };
-    Ok(Frame {
-        view,
-        width,
-        height,
-        channels,
-        samples,
-        lossy: false,
-    })
+    Ok(Frame::exact(view, [width, height, channels], samples))
 }
 
 /// Splits a file into its header and the rest.

@@ -102,14 +102,8 @@ impl Expected {
     /// Returns the frame of a correct decoder, with colors rounded to the nearest byte.
     #[must_use]
     pub fn frame(&self) -> Frame {
-        Frame {
-            view: self.view,
-            width: self.size.width,
-            height: self.size.height,
-            channels: self.channels as u32,
-            samples: self.view.samples(&self.values),
-            lossy: false,
-        }
+        let shape = [self.size.width, self.size.height, self.channels as u32];
+        Frame::exact(self.view, shape, self.view.samples(&self.values))
     }
 
     /// Returns the first difference between `frame` and the expected samples, or `None` if the frame is correct.

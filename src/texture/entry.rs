@@ -193,7 +193,7 @@ enumerants! {
 #[cfg_attr(feature = "harness", derive(serde::Deserialize, serde::Serialize))]
 #[cfg_attr(feature = "harness", serde(default, deny_unknown_fields))]
 // Error messages about questions use this name.
-#[cfg_attr(feature = "harness", serde(expecting = "struct EntryGiven"))]
+#[cfg_attr(feature = "harness", serde(expecting = "struct GivenEntry"))]
 pub struct Entry {
     /// Ids of the resources that define the map; empty for the default map (R-SEL-11).
     pub map_ids: Vec<u32>,

@@ -56,7 +56,7 @@ fn read_scan_parameters(presets: &StoredPresets, scan: &ScanHeader) -> StreamRes
         return Err(malformed(scan.at + 2, what));
     }
     if transform != 0 {
-        let what = "a point transform is not implemented";
+        let what = "point transforms are not implemented";
         return Err(unsupported(scan.at + 3, what));
     }
     Parameters::new(&presets.parameters, presets.at, near, scan.at + 1)

@@ -160,8 +160,7 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
     // A correct or explained image of a file with a property contradicts it. A file without an image is no evidence.
     let is_known = |w: &usize| {
         let witness = &search.witnesses[*w];
-        witness.case.expect == Expect::Decode
-            && matches!(witness.observation.response, Response::Image { .. })
+        witness.is_image_of_legal_file()
             && (!witness.failed || search.agreement(*w, set).explains())
     };
     let known: Vec<usize> = (0..search.witnesses.len()).filter(is_known).collect();
@@ -204,8 +203,7 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
     open.retain(|w| {
-        FailureMode::new(&witnesses[*w]).is_none()
-            && witnesses[*w].case.expect == Expect::Decode
+        witnesses[*w].is_image_of_legal_file()
             && steps.get(w).is_none_or(|step| *step >= Phase::Rearranged)
     });
     let in_view = |view: ViewKind, formats: &[Format]| -> Vec<usize> {
@@ -410,10 +408,8 @@ fn swapped_channels(
         })
     };
     let name = |channel| channel_name(wrong.len(), channel);
-    indices
-        .iter()
-        .all(is_swapped)
-        .then(|| [name(first), name(second)])
+    let are_swapped = indices.iter().all(is_swapped);
+    are_swapped.then(|| [name(first), name(second)])
 }
 
 /// Returns text such as ", only in a3" if all other channels are correct.
@@ -531,24 +527,7 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     } else if (0..wrong.len()).all(|plane| !wrong[plane] || is_predicted(plane)) {
         Phase::Prediction
     } else if (0..wrong.len()).any(|plane| plain(&plane)) {
-        let of_plane = |values: &[f64], plane: usize| -> Vec<f64> {
-            values
-                .iter()
-                .skip(plane)
-                .step_by(pair.channels)
-                .copied()
-                .collect()
-        };
-        let is_moved = |plane: usize| {
-            is_rearranged(&ImagePair {
-                width: pair.width,
-                height: pair.height,
-                channels: 1,
-                expected: of_plane(&pair.expected, plane),
-                received: of_plane(&pair.received, plane),
-                view: pair.view,
-            })
-        };
+        let is_moved = |plane: usize| is_rearranged(&pair.channel(plane));
         match (0..wrong.len()).filter(plain).all(is_moved) {
             true => Phase::Rearranged,
             false => Phase::Stream,

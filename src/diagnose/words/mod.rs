@@ -57,7 +57,7 @@ fn has_unjudged_files(witnesses: &[Witness], indices: &[usize]) -> bool {
 
 /// Returns the clause about the layout that these files share: the layout of their format, of tables, or of compressed planes.
 /// Files of different formats have only the header in common.
-fn shared_clause(witnesses: &[Witness], indices: &[usize]) -> &'static str {
+pub(super) fn shared_clause(witnesses: &[Witness], indices: &[usize]) -> &'static str {
     let formats: Vec<Format> = indices
         .iter()
         .map(|&w| witnesses[w].case.format())

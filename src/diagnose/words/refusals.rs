@@ -1,6 +1,6 @@
 //! Describes legal files that the decoder refused or crashed on, by a property that these files share and no accepted file has.
 
-use super::{files_in_scope, share_text, shared_clause};
+use super::{files_in_scope, share_text};
 use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
 use crate::diagnose::{failure_mode::FailureMode, scope::shared_scope, witness::Witness};
@@ -237,19 +237,14 @@ pub(in crate::diagnose) fn describe_unexplained(
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &indices),
         };
-        let described = Diagnosis::from_description(Category::Refusal, witnesses, &indices, text);
-        diagnoses.push(described.with_clause(most_frequent_clause(witnesses, &indices)));
+        diagnoses.push(Diagnosis::from_description(
+            Category::Refusal,
+            witnesses,
+            &indices,
+            text,
+        ));
     }
     diagnoses
-}
-
-/// Returns the first clause of most of these cases or, if there is none, the clause about the layout that the files share.
-fn most_frequent_clause<'a>(witnesses: &'a [Witness], indices: &[usize]) -> &'a str {
-    let clause = |w: &usize| &*witnesses[*w].case.clauses[0];
-    let count = |clause_of: &str| indices.iter().filter(|w| clause(w) == clause_of).count();
-    let mut clauses = indices.iter().map(clause);
-    let most = clauses.find(|&one| count(one) * 2 > indices.len());
-    most.unwrap_or_else(|| shared_clause(witnesses, indices))
 }
 
 /// Describes the smallest of these files: the reason for its case, and the last message on standard error.

@@ -117,15 +117,15 @@ enum TextureStep {
     /// Looks up an index in a table.
     Resolve {
         #[serde(default)]
-        table: BTreeMap<i64, EntryGiven>,
+        table: BTreeMap<i64, GivenEntry>,
         index: i64,
     },
     /// Derives 1, 2 or 3 coordinates from a point.
     Parameterize {
         #[serde(default)]
-        entry: EntryGiven,
+        entry: GivenEntry,
         #[serde(default)]
-        point: PointGiven,
+        point: GivenPoint,
         #[serde(default = "two")]
         dim: usize,
     },
@@ -171,7 +171,7 @@ enum TextureStep {
     },
     /// Samples a map.
     Sample {
-        map: MapGiven,
+        map: GivenMap,
         t: Vector,
         /// The sample depth.
         #[serde(default)]
@@ -180,13 +180,13 @@ enum TextureStep {
         #[serde(default, rename = "mag")]
         is_magnified: bool,
         #[serde(default)]
-        entry: EntryGiven,
+        entry: GivenEntry,
     },
     /// Applies one map to the color of a primitive.
     Compose {
         #[serde(default)]
-        entry: EntryGiven,
-        texel: TexelGiven,
+        entry: GivenEntry,
+        texel: GivenTexel,
         /// The primitive's color; in the split form, after lighting.
         color: Color,
         #[serde(default = "opaque")]
@@ -197,7 +197,7 @@ enum TextureStep {
     },
     /// Applies all maps of a primitive, in order.
     Stage {
-        surface: SurfaceGiven,
+        surface: GivenSurface,
         interp: Option<Interpolation>,
         frequency: Option<Frequency>,
         entries: Vec<StageEntry>,
@@ -359,27 +359,27 @@ fn white() -> Color {
 /// The fields of a table entry that are given in a question. Missing fields have their fallback values.
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(try_from = "Value")]
-pub struct EntryGiven {
+pub struct GivenEntry {
     fields: Map<String, Value>,
     /// The entry, with the fallback values from the chapter.
     entry: Entry,
 }
 
-impl TryFrom<Value> for EntryGiven {
+impl TryFrom<Value> for GivenEntry {
     type Error = serde_json::Error;
 
-    fn try_from(mut value: Value) -> serde_json::Result<EntryGiven> {
+    fn try_from(mut value: Value) -> serde_json::Result<GivenEntry> {
         if let Value::Object(fields) = &mut value {
             fields.retain(|_, value| !value.is_null());
         }
-        Ok(EntryGiven {
+        Ok(GivenEntry {
             entry: Entry::deserialize(&value)?,
             fields: value.as_object().cloned().unwrap_or_default(),
         })
     }
 }
 
-impl EntryGiven {
+impl GivenEntry {
     /// Returns the complete entry, with fallback values from `rules`.
     ///
     /// # Panics
@@ -405,12 +405,12 @@ const POINT_FIELDS: &str = "`mc`, `wc`, `vrc`, `eye_mc`, `eye_wc`, `eye_vrc`, `m
 /// A point on a surface. Field names such as `mc`, `eye_mc`, `mc_normal` and `mc_geometric_normal` state the coordinate system.
 #[derive(Debug, Default, Deserialize)]
 #[serde(try_from = "Map<String, Value>")]
-struct PointGiven(Point);
+struct GivenPoint(Point);
 
-impl TryFrom<Map<String, Value>> for PointGiven {
+impl TryFrom<Map<String, Value>> for GivenPoint {
     type Error = serde_json::Error;
 
-    fn try_from(mut fields: Map<String, Value>) -> serde_json::Result<PointGiven> {
+    fn try_from(mut fields: Map<String, Value>) -> serde_json::Result<GivenPoint> {
         fields.retain(|_, value| !value.is_null());
         let is_known = |name: &String| POINT_FIELDS.contains(&format!("`{name}`"));
         if let Some(name) = fields.keys().find(|name| !is_known(name)) {
@@ -431,7 +431,7 @@ impl TryFrom<Map<String, Value>> for PointGiven {
                 geometric_normal: vector(&format!("{system}_geometric_normal"))?,
             })
         };
-        Ok(PointGiven(Point {
+        Ok(GivenPoint(Point {
             mc: place("mc")?,
             wc: place("wc")?,
             vrc: place("vrc")?,
@@ -466,17 +466,17 @@ fn spline(fields: &mut Map<String, Value>) -> serde_json::Result<Option<SplinePo
 /// A map in a question: a name, a PTM, or texels.
 #[derive(Debug, Deserialize)]
 #[serde(try_from = "Value")]
-enum MapGiven {
+enum GivenMap {
     /// The name of a map; only `"default"` exists.
     Named(String),
-    Ptm(PtmGiven),
-    Levels(LevelsGiven),
+    Ptm(GivenPtm),
+    Levels(GivenLevels),
 }
 
 /// A PTM under a light.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct PtmGiven {
+struct GivenPtm {
     /// The file, in hexadecimal.
     ptm: String,
     light: [f64; 2],
@@ -489,10 +489,10 @@ struct PtmGiven {
 /// The texels of a map.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct LevelsGiven {
+struct GivenLevels {
     kind: TexelKind,
     /// The levels, from the base to the pinnacle.
-    levels: Vec<LevelGiven>,
+    levels: Vec<GivenLevel>,
     /// Mipmap filter: `none` or `box`.
     mipmap: Option<String>,
 }
@@ -500,35 +500,35 @@ struct LevelsGiven {
 /// The texels of a level.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct LevelGiven {
+struct GivenLevel {
     /// Number of texels in each direction of the map.
     size: Vec<usize>,
     /// The components of each texel, with t0 varying fastest.
     texels: Vec<Vec<f64>>,
 }
 
-impl TryFrom<Value> for MapGiven {
+impl TryFrom<Value> for GivenMap {
     type Error = String;
 
-    fn try_from(value: Value) -> Result<MapGiven, String> {
+    fn try_from(value: Value) -> Result<GivenMap, String> {
         let read = match &value {
-            Value::String(name) => Ok(MapGiven::Named(name.clone())),
+            Value::String(name) => Ok(GivenMap::Named(name.clone())),
             Value::Object(fields) if fields.contains_key("ptm") => {
-                PtmGiven::deserialize(&value).map(MapGiven::Ptm)
+                GivenPtm::deserialize(&value).map(GivenMap::Ptm)
             }
-            _ => LevelsGiven::deserialize(&value).map(MapGiven::Levels),
+            _ => GivenLevels::deserialize(&value).map(GivenMap::Levels),
         };
         read.map_err(|error| format!("map: {error}"))
     }
 }
 
-impl MapGiven {
+impl GivenMap {
     fn map(&self, rules: &Rules) -> Result<TextureMap, Refusal> {
         let (map, mipmap) = match self {
-            MapGiven::Named(name) if name == "default" => (TextureMap::checkerboard(rules), &None),
-            MapGiven::Named(name) => return Err(malformed(format!("no map {name:?}"))),
-            MapGiven::Ptm(ptm) => (ptm.map(rules)?, &ptm.mipmap),
-            MapGiven::Levels(levels) => (levels.map()?, &levels.mipmap),
+            GivenMap::Named(name) if name == "default" => (TextureMap::checkerboard(rules), &None),
+            GivenMap::Named(name) => return Err(malformed(format!("no map {name:?}"))),
+            GivenMap::Ptm(ptm) => (ptm.map(rules)?, &ptm.mipmap),
+            GivenMap::Levels(levels) => (levels.map()?, &levels.mipmap),
         };
         match mipmap.as_deref() {
             None | Some("none") => Ok(map),
@@ -538,7 +538,7 @@ impl MapGiven {
     }
 }
 
-impl PtmGiven {
+impl GivenPtm {
     fn map(&self, rules: &Rules) -> Result<TextureMap, Refusal> {
         let file = HEXLOWER_PERMISSIVE.decode(self.ptm.as_bytes());
         let file = file.map_err(|_| malformed("ptm: expected hexadecimal digits"))?;
@@ -553,7 +553,7 @@ impl PtmGiven {
     }
 }
 
-impl LevelsGiven {
+impl GivenLevels {
     fn map(&self) -> Result<TextureMap, Refusal> {
         let malformed = |message: String| malformed(format!("map: {message}"));
         let dimensions = self.levels.first().map_or(0, |level| level.size.len());
@@ -578,17 +578,17 @@ impl LevelsGiven {
 /// A texel: kind and components, or `"discontinue"`.
 #[derive(Debug, Deserialize)]
 #[serde(untagged)]
-enum TexelGiven {
+enum GivenTexel {
     Texel(TexelKind, Vec<f64>),
     Word(String),
 }
 
-impl TexelGiven {
+impl GivenTexel {
     fn fetched(&self) -> Result<MapValue, Refusal> {
         let texel = match self {
-            TexelGiven::Texel(kind, components) => Texel::new(*kind, components),
-            TexelGiven::Word(word) if word == "discontinue" => return Ok(MapValue::Discontinued),
-            TexelGiven::Word(_) => None,
+            GivenTexel::Texel(kind, components) => Texel::new(*kind, components),
+            GivenTexel::Word(word) if word == "discontinue" => return Ok(MapValue::Discontinued),
+            GivenTexel::Word(_) => None,
         };
         let texel = texel.map(MapValue::Texel);
         texel.ok_or_else(|| malformed("texel: expected [kind, components] or \"discontinue\""))
@@ -598,7 +598,7 @@ impl TexelGiven {
 /// A primitive and its light.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct SurfaceGiven {
+struct GivenSurface {
     /// The color before lighting.
     color: Color,
     #[serde(default = "opaque")]
@@ -616,15 +616,15 @@ struct SurfaceGiven {
 #[serde(deny_unknown_fields)]
 struct StageEntry {
     #[serde(default)]
-    entry: EntryGiven,
+    entry: GivenEntry,
     /// The sampled value.
-    texel: Option<TexelGiven>,
+    texel: Option<GivenTexel>,
     /// The map, or the default map if omitted.
-    map: Option<MapGiven>,
+    map: Option<GivenMap>,
     /// The coordinates at which the map is sampled, after orientation.
     t: Option<Vector>,
     /// The point from which coordinates are derived.
-    point: Option<PointGiven>,
+    point: Option<GivenPoint>,
     /// The sample depth.
     #[serde(default)]
     depth: f64,

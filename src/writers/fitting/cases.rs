@@ -17,7 +17,7 @@ use crate::writers::fitting::sets::{SETS, SetPlan};
 use crate::writers::test_case::{BuiltRequest, FileCase, RequestValues, wrong_file};
 use crate::writers::{fault::WriterFault, fitting::judge::judge};
 
-/// Set of photographs to be fitted in a format.
+/// A set of photographs to which a map in a given format is fitted.
 pub type FitCase = FileCase<ImageSource>;
 
 /// Source of the photographs for a case.

@@ -239,7 +239,7 @@ SOI SOF FF DA 00 08 01 07 00 00 00 00 | byte 20: expected a scan of component 1,
 SOI SOF FF DA 00 08 01 01 01 00 00 00 | byte 21: mapping tables are not implemented
 SOI SOF FF DA 00 08 01 01 00 80 00 00 | byte 22: NEAR 128 is more than half of MAXVAL 255
 SOI SOF FF DA 00 08 01 01 00 00 01 00 | byte 23: a single component cannot be interleaved, found ILV 1
-SOI SOF FF DA 00 08 01 01 00 00 00 01 | byte 24: a point transform is not implemented
+SOI SOF FF DA 00 08 01 01 00 00 00 01 | byte 24: point transforms are not implemented
 SOI SOF SOS EOI | byte 25: the entropy-coded segment ends too early
 SOI SOF SOS 00 EOI | byte 26: the entropy-coded segment ends too early
 SOI SOF SOS FF EOI | byte 25: the entropy-coded segment ends too early
