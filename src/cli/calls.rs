@@ -33,7 +33,7 @@ pub struct LimitArgs {
     /// Wall-clock limit for each call.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
-    /// Memory limit for each call, including all of its processes, in bytes or with a suffix K, M or G.
+    /// Memory limit for all processes of a call, in bytes or with the suffix K, M or G.
     #[arg(long, value_name = "SIZE", default_value = "2G", value_parser = parse_size)]
     memory: u64,
 }

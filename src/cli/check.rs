@@ -231,5 +231,5 @@ const FIX_THE_WRAPPER: &str = "the run ended after the initial checks: fix the w
 const SERVE_MODE_FAILED: &str =
     "serve mode failed: the first requests were not answered; fell back to one process per request";
 
-/// Hint for the author of a decoder that starts slowly.
+/// Hint that serve mode is faster, for a run that does not use it.
 const SERVE_MODE_IS_FASTER: &str = "\nServe mode is faster: one process answers all requests. To print a decoder that supports it, run: ptm-conform example python";

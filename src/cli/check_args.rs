@@ -42,7 +42,8 @@ pub struct CheckArgs {
     /// Request only this view. Repeatable.
     #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]
     pub views: Vec<String>,
-    /// Run only one part of the suite, for example 3/8, and keep all responses in FILE.answers for `report merge`.
+    /// Run only one part of the suite, for example 3/8, and keep all responses in REPORT.answers for `report merge`, where REPORT
+    /// is the file of --report.
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
     /// Use serve mode (`DECODER serve`); the default if the decoder's capabilities declare it.
@@ -53,8 +54,8 @@ pub struct CheckArgs {
     pub one_shot: bool,
     /// An exit status other than 65 that also means "malformed".
     ///
-    /// In many languages, an uncaught exception exits with 1. Refusals with a status other than 65 are therefore marked weak in
-    /// the report: a decoder that crashes on every malformed file would pass these cases, too.
+    /// In many languages, a program with an uncaught exception exits with 1. Refusals with a status other than 65 are therefore
+    /// marked weak in the report: a decoder that crashes on every malformed file would pass these cases, too.
     #[arg(long, value_name = "N", value_parser = parse_refusal)]
     pub reject_exit: Option<i32>,
     /// Check every .ptm file in DIR instead of the suite, against the reference and against other encodings of the same values.
@@ -63,16 +64,16 @@ pub struct CheckArgs {
     /// Run only the smoke subset: a few cases that catch every misreading in the catalog if the decoder supports all formats.
     #[arg(long)]
     pub smoke: bool,
-    /// Assume this misreading, named as in the diagnosis, and judge the rest. Repeatable.
+    /// Assume that the decoder has this misreading (a name from the diagnosis), and judge its other answers. Repeatable.
     #[arg(long = "assume", value_name = "SLUG")]
     pub assumed: Vec<String>,
-    /// Check a program that does not speak the protocol, through its command line.
+    /// Check a program that does not speak the protocol by running this command line.
     ///
     /// The line is split into words as in a shell, but no shell is run. {in} is the PTM file. {out} is the output file and may
-    /// have a suffix ({out}.png); without it, standard output is read. {lu} and {lv} are the light direction; {view} is raw, coef
-    /// or rgb:LU,LV. {{ and }} are braces. The output is an image (PNG, PNM, TIFF, BMP, WebP or JPEG), a NumPy array or a PTM1
-    /// frame. Only rgb is requested, unless the line has {view} or --view names one view. Without --reject-exit, files that must
-    /// or may be refused are not judged.
+    /// have a suffix ({out}.png). If the line has no {out}, standard output is read. {lu} and {lv} are the light direction;
+    /// {view} is raw, coef or rgb:LU,LV. {{ and }} are braces. The output is an image (PNG, PNM, TIFF, BMP, WebP or JPEG), a
+    /// NumPy array or a PTM1 frame. Only rgb is requested, unless the line has {view} or --view names one view. Without
+    /// --reject-exit, files that must or may be refused are not judged.
     #[arg(long, value_name = "TEMPLATE", conflicts_with_all = ["decoder", "serve"])]
     pub cmd: Option<String>,
     /// Judge images that were made elsewhere, for example in a viewer, in a browser or on another system.

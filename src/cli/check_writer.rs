@@ -42,24 +42,24 @@ pub struct CheckWriterArgs {
     /// Run only requests whose id matches; * and ? are wildcards. Repeatable.
     #[arg(long = "case", value_name = "GLOB")]
     cases: Vec<String>,
-    /// Run only the smoke subset: a few requests of every format.
+    /// Run only the smoke subset: a few requests for each format.
     #[arg(long)]
     smoke: bool,
-    /// Check a fitter: a program that creates a PTM from images under known lights.
+    /// Check a fitter: a program that creates a PTM from images taken under known lights.
     ///
     /// It is called as `FITTER [ARG…] fit REQUEST OUT`. REQUEST is a JSON file with format (LRGB or RGB), width, height and the
     /// path of an .lp file. The error of the fitted map is compared with the least-squares optimum.
     #[arg(long)]
     fitter: bool,
-    /// Also request a fit to the images in this .lp file.
+    /// Also request a fit to the images listed in this .lp file.
     #[arg(long, value_name = "FILE", requires = "fitter")]
     lp: Option<PathBuf>,
-    /// Check a program that does not speak the protocol, through its command line.
+    /// Check a program that does not speak the protocol by running this command line.
     ///
     /// The line is split into words as in a shell, but no shell is run. {out} is the output file and may have a suffix
     /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array; {lp} is the .lp file of a fitter; {format},
-    /// {width}, {height}, {scale}, {bias}, {matrix}, {quality} and {near} are values; the numbers in a list are separated by
-    /// commas. {{ and }} are braces.
+    /// {width}, {height}, {scale}, {bias}, {matrix}, {quality} and {near} are values from the request. The numbers in a list are
+    /// separated by commas. {{ and }} are braces.
     #[arg(long, value_name = "TEMPLATE", conflicts_with = "writer")]
     cmd: Option<String>,
     #[command(flatten)]

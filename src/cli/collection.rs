@@ -41,7 +41,8 @@ pub enum WalkItem {
     Unreadable(PathBuf, io::Error),
 }
 
-/// Path of a file or folder, and true if the path comes from a list. Devices are read only if they are named on the command line.
+/// Path of a file or folder, and a flag that is true if the path comes from a list. Devices are read only if they are named on
+/// the command line.
 pub type NamedPath = (PathBuf, bool);
 
 /// Step of a walk: an item, or (as the error) a folder to enter.

@@ -31,8 +31,8 @@ pub struct ConvertArgs {
     /// impossible.
     #[arg(long = "for", value_name = "READER,…", value_delimiter = ',', conflicts_with_all = ["to", "quality", "loss"])]
     readers: Vec<String>,
-    /// Repair faults that have only one possible correction, and list the changes: blanks and line ends in the header, trailing
-    /// bytes, compressed sizes that the streams determine, and overridden records. The output file must not exist.
+    /// Repair faults that have only one possible correction: blanks and line ends in the header, trailing bytes, compressed sizes
+    /// that the streams determine, and overridden records. The changes are listed. The output file must not exist.
     #[arg(long, conflicts_with_all = ["to", "readers", "quality", "loss"])]
     repair: bool,
     /// The quality of JPEG formats, from 20 to 100.

@@ -32,7 +32,7 @@ pub struct OutputArgs {
     /// Print GitHub annotations, and append the job summary to the file named by GITHUB_STEP_SUMMARY.
     #[arg(long)]
     github: bool,
-    /// A list of known failures; only new failures fail the run.
+    /// A list of known failures; only new failures make the run fail.
     ///
     /// A YAML list of "- id: CASE" with an optional "reason:". A listed case that fails does not fail the run. A failing case
     /// that is not listed is new: exit status 1. If there are no new failures but a listed case passes, the list is out of date:

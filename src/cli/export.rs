@@ -8,7 +8,7 @@ use image::ImageFormat;
 use super::{CommandResult, files, output};
 use ptm_conform::tools::{export, render::encode_image};
 
-/// Export the values of a map as OpenEXR, NPY or PNG, selected by the suffix of the output.
+/// Export the values of a map as OpenEXR, NPY or PNG. The suffix of the output file selects the format.
 ///
 /// .exr contains the final coefficients, (raw - bias) * scale, as named float channels (a0 … a5, R, G, B; for RGB maps red.a0 …
 /// blue.a5; for LUM maps Cr, Cb). .npy contains the stored bytes as an array of height x width x channels or, with --final, the

@@ -70,7 +70,8 @@ pub fn check_writable(path: &Path) -> Result<(), String> {
     }
 }
 
-/// Returns true for a named pipe, which may never have a writer, but not for a link to one (process substitution).
+/// Returns true if the path is a named pipe, which may never have a writer. Returns false for a link to a pipe, as in process
+/// substitution.
 #[cfg(unix)]
 pub fn is_named_pipe(path: &Path) -> bool {
     use std::os::unix::fs::FileTypeExt;

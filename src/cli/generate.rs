@@ -27,8 +27,9 @@ use ptm_conform::tools::profiles::{self, Profile};
     after_help = "Examples:\n  ptm-conform generate --out corpus\n  ptm-conform generate --profile minimal --ptm-format LRGB --out tests/ptm\n  ptm-conform generate --case hand-lum -o lum.ptm"
 )]
 pub struct GenerateArgs {
-    /// The output directory; by default corpus, or requests with --requests. With a profile, it must be new or empty. If --case
-    /// matches one case, --out is the output file (by default ID.ptm), or a directory that exists or ends in /.
+    /// The output directory. The default is corpus, or requests if --requests is given. With a profile, the directory must be new
+    /// or empty. If --case matches one case, --out is the output file (by default ID.ptm), or a directory that exists or ends in
+    /// /.
     #[arg(short, long, alias = "output", value_name = "DIR")]
     out: Option<PathBuf>,
     /// Write requests for a viewer that check cannot call: files, a list of requests, and a README. VIEW is raw, coef or rgb

@@ -1,4 +1,4 @@
-//! Links to pages of the site, as text or as hyperlinks (OSC 8) if the terminal supports them.
+//! Links to pages of the site: hyperlinks (OSC 8) if the terminal supports them, and text otherwise.
 
 use std::collections::HashMap;
 use std::fmt::Write as _;

@@ -67,13 +67,14 @@ pub struct LintArgs {
     /// Also exit with 1 for warnings.
     #[arg(long)]
     deny_warnings: bool,
-    /// A YAML file with allow, only, severity (a mapping), max and deny_warnings; options add to it.
+    /// A YAML file with allow, only, severity (a mapping), max and deny_warnings. Options on the command line extend or override
+    /// these settings.
     #[arg(long, value_name = "FILE")]
     config: Option<PathBuf>,
     /// Do not read files larger than this.
     #[arg(long, value_name = "SIZE", default_value = "1G", value_parser = parse_size)]
     limit: u64,
-    /// Predict what these readers display: the correct image, a wrong image and the reason, or no image. Separate readers by
+    /// Predict what these readers display: the correct image, a wrong image (with the reason) or no image. Separate readers by
     /// commas, or use `all`.
     #[arg(long = "for", value_name = "READER,…", value_delimiter = ',')]
     readers: Vec<String>,
@@ -83,7 +84,7 @@ pub struct LintArgs {
     /// Number of files read in parallel; one per processor by default.
     #[arg(long, value_name = "N")]
     jobs: Option<usize>,
-    /// List all codes and stop.
+    /// List all codes and exit.
     #[arg(long)]
     codes: bool,
     #[command(flatten)]
@@ -93,7 +94,7 @@ pub struct LintArgs {
 /// Number of bytes that are initially read from every file.
 const HEAD_BYTES: u64 = 4096;
 
-/// Path of a file, its lint results, and true if the file could not be read.
+/// Path of a file, its lint results, and a flag that is true if the file could not be read.
 type Row = (PathBuf, Lint, bool);
 
 pub fn run(args: &LintArgs) -> CommandResult {

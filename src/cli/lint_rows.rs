@@ -33,7 +33,7 @@ pub struct Rows {
     max_findings: usize,
     /// Number of readers whose results are predicted.
     reader_count: usize,
-    /// True if a row or a result has been printed.
+    /// True if an item of a JSON or SARIF list has been printed.
     has_output: bool,
     /// Counts of all findings, including those that are not printed.
     totals: Totals,

@@ -14,10 +14,11 @@ use ptm_conform::session::probe::{Reproduction, probe};
 
 /// Test a new wrapper step by step and say what to fix.
 ///
-/// The decoder is called for ordinary files in every view, for a large file, malformed files and an unknown view, and in serve
-/// mode if it supports that mode. Wrong images are compared with common wrapper mistakes: flipped rows, BGR, planar samples,
-/// wrong byte order. If nothing is decoded, other ways to call it are tried (the current directory, the file on standard input,
-/// FILE before VIEW). The files that show a fault are kept, along with a command that reproduces each observation.
+/// The decoder is called with ordinary files in every view, with a large file, with malformed files and with an unknown view. It
+/// is also called in serve mode if it supports that mode. Wrong images are compared with common wrapper mistakes: flipped rows,
+/// BGR, planar samples, wrong byte order. If nothing is decoded, other ways to call the decoder are tried (the current directory,
+/// the file on standard input, FILE before VIEW). The files that show a fault are kept, along with a command that reproduces each
+/// observation.
 ///
 /// With --writer, the program is a writer, and one file of each format is requested.
 ///

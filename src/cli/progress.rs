@@ -1,4 +1,4 @@
-//! Progress display on standard error: a line that is updated on a terminal, or a new line every half minute elsewhere.
+//! Progress display on standard error. On a terminal, one line is updated. Elsewhere, a new line is printed every half minute.
 
 use std::fmt::Write;
 use std::io::IsTerminal;
@@ -12,7 +12,7 @@ use indicatif::ProgressBar;
 
 use super::output::{bar, is_quiet, print_error};
 
-/// Interval between updates on a terminal, and interval between new lines elsewhere.
+/// Intervals between updates on a terminal and between new lines elsewhere.
 const UPDATE_INTERVALS: [Duration; 2] = [Duration::from_millis(500), Duration::from_secs(30)];
 
 /// Minimum number of finished items for an estimate of the remaining time.

@@ -13,11 +13,11 @@ use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 
 use super::{CommandError, CommandResult, files};
 
-/// Decode FILE with the reference decoder, and print the frame (the decoder protocol).
+/// Decode FILE with the reference decoder, and print the frame as the decoder protocol specifies.
 ///
 /// `reference serve` answers requests "SEQ VIEW PATH" on standard input. `reference capabilities` lists the supported views and
 /// formats. `reference texture FILE` answers a texture mapping question in JSON. `reference write REQUEST OUT` writes the file
-/// for a request of check-writer, and `reference fit REQUEST OUT` writes the best fit to images.
+/// for a check-writer request, and `reference fit REQUEST OUT` writes the best fit to images.
 ///
 /// Exit status: 0 success, 65 the file is malformed, 69 it is not supported.
 #[derive(clap::Args)]
@@ -25,7 +25,7 @@ use super::{CommandError, CommandResult, files};
     after_help = "Examples:\n  ptm-conform reference raw coin.ptm > coin.frame\n  ptm-conform reference rgb:0.3,0.4 coin.ptm > coin.frame"
 )]
 pub struct Args {
-    /// raw, coef or rgb:LU,LV; or serve, capabilities, texture, write, or fit
+    /// raw, coef or rgb:LU,LV; or serve, capabilities, texture, write or fit
     view: String,
     /// A PTM file; for texture, a question in JSON; for write and fit, a request in JSON.
     file: Option<PathBuf>,

@@ -59,7 +59,7 @@ enum ReportCommand {
     Markdown(OutputFormatArgs),
     /// Show what changed between two reports.
     ///
-    /// Lists the cases that began to fail, were fixed, changed in other ways, or were added or removed, and changes in the
+    /// Lists the cases that began to fail, were fixed, changed in other ways, or were added or removed. Also lists changes in the
     /// decoder, its scores, dialect and causes. If many cases changed, they are grouped by cause and clause.
     ///
     /// Exit status: 0 the reports are equal, 1 they differ, 2 one of them cannot be read.

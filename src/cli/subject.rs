@@ -1,4 +1,5 @@
-//! Subject of a check: a decoder, this program, a program called through a template, or precomputed answers.
+//! Subject of a check: a decoder, this program, a program called through a template, precomputed answers, or functions of the
+//! parent process.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -33,7 +34,7 @@ pub enum Answers {
     Program(Decoder),
     /// Precomputed answers, stored in files.
     Precomputed(Outputs),
-    /// Functions of the parent process that answer requests.
+    /// Parent process, whose functions answer requests.
     Caller(Caller),
 }
 
@@ -95,7 +96,8 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Selects the only view of a template without `{view}`. Withholds cases if a refusal could not be recognized.
+    /// Selects the only view of a template without `{view}`. Withholds the cases that may be refused if refusals cannot be
+    /// recognized.
     fn restrict_to(&mut self, text: &str, args: &CheckArgs, suite: &Suite) -> Result<(), String> {
         let template = Template::parse(text)?;
         if !template.has_view() {

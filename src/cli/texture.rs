@@ -35,7 +35,8 @@ enum TextureCommand {
 /// Check that the reference gives the expected answer to every case in a file.
 ///
 /// The file has the format of spec-cases/texture/cases: a YAML list of cases, or a document with a list of cases under "cases".
-/// Numbers must agree within 1e-9 or the case's tolerance. Other readings are also computed.
+/// Numbers must agree within 1e-9 or the case's tolerance. Answers under other readings are also checked, if these readings are
+/// known.
 ///
 /// Exit status: 0 all cases hold, 1 a case does not, 2 the file cannot be read, 5 it has no cases.
 #[derive(Args)]
@@ -73,8 +74,8 @@ struct TextureRenderArgs {
     /// The light on the surface.
     #[arg(long, value_name = "LU,LV", default_value = "-0.4,0.5", allow_hyphen_values = true, value_parser = parse_light)]
     light: (f64, f64),
-    /// Fields of the table entry, in YAML. Omitted fields default to their fallback values, except for two that make the
-    /// effect visible: `parameterization: FloatData` (the shape's own coordinates) and `rendering_control: PreLight`.
+    /// Fields of the table entry, in YAML. Omitted fields have their fallback values, except for two fields whose defaults make
+    /// the effect visible: `parameterization: FloatData` (the shape's own coordinates) and `rendering_control: PreLight`.
     #[arg(long, value_name = "YAML", default_value = "{}")]
     entry: String,
     /// Generate mipmap levels for the map with a box filter.

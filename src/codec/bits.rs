@@ -97,8 +97,8 @@ impl<const AFTER_FF: u32> Bits<'_, AFTER_FF> {
     }
 }
 
-/// Returns the number of data bits in the byte at `at`, or `None` if the segment ends there, at a marker or at the end of the
-/// stream (even after a single 0xFF).
+/// Returns the number of data bits in the byte at `at`. Returns `None` if the segment ends there: at a marker, at the end of the
+/// stream, or at a 0xFF that is the last byte of the stream.
 #[inline]
 pub(super) fn data_bits<const AFTER_FF: u32>(stream: &[u8], at: usize) -> Option<u32> {
     let starts_marker = |next: Option<&u8>| next.is_none_or(|&next| next >> AFTER_FF != 0);
@@ -121,7 +121,7 @@ pub(super) use tests::transcript;
 mod tests {
     use super::{Bits, ReadBits, StreamResult};
 
-    /// Reads until an error occurs, or until `read` returns `None` and the segment is finished. Returns all results, which must
+    /// Reads until an error occurs or `read` returns `None`. After `None`, finishes the segment. Returns all results, which must
     /// be the same for every implementation of [`ReadBits`].
     pub fn transcript<'a, const AFTER_FF: u32, B: ReadBits<'a, AFTER_FF>, T: std::fmt::Debug>(
         stream: &'a [u8],

@@ -78,7 +78,7 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    /// Reads a byte. `what` names it in the error.
+    /// Reads a byte. `what` is the name of the byte in the error message.
     pub fn read_byte(&mut self, what: &str) -> StreamResult<u8> {
         let Some(&byte) = self.stream.get(self.at) else {
             let what = format!("{} ends before {what}", self.name);
@@ -88,7 +88,7 @@ impl<'a> Cursor<'a> {
         Ok(byte)
     }
 
-    /// Reads a two-byte big-endian number. `what` names it in the error.
+    /// Reads a two-byte big-endian number. `what` is the name of the number in the error message.
     pub fn read_u16(&mut self, what: &str) -> StreamResult<u16> {
         let bytes = [self.read_byte(what)?, self.read_byte(what)?];
         Ok(u16::from_be_bytes(bytes))

@@ -21,7 +21,7 @@ pub struct EncodedImage {
     pub stream: Vec<u8>,
     /// Samples that an exact decoder returns for the stream, in row order.
     ///
-    /// They are by-products of the encoder, not the output of a decoder.
+    /// The encoder computes them without decoding the stream.
     pub samples: Vec<u8>,
 }
 
@@ -97,7 +97,7 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
         }
     }
 
-    /// Appends the low `count` bits of `bits` (at most 32). All higher bits must be zero.
+    /// Appends the low `count` bits of `bits`. `count` is at most 32, and all higher bits must be zero.
     pub fn put_bits(&mut self, bits: u32, count: u32) {
         self.window = self.window << count | u64::from(bits);
         self.count += count;

@@ -242,7 +242,7 @@ fn declared_bytes(lists: &RawLists) -> u64 {
     sizes.fold(0, u64::saturating_add)
 }
 
-/// Returns the byte ranges of each plane: in plane order, each stream followed by its side information (clauses
+/// Returns the byte ranges of each plane. The streams are in plane order, and each is followed by its side information (clauses
 /// 2.9.8/1, 2.9.8/4).
 fn plane_extents(lists: &RawLists) -> Result<Vec<Extent>> {
     // Saturate on overflow, because no file is that long.

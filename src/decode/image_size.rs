@@ -8,7 +8,7 @@
 //! ```
 //!
 //! Format notes
-//! - HP's programs write two lines. The text shows one line first. Both are accepted.
+//! - HP's programs write the two numbers on separate lines. The text first shows them on one line. Both are accepted.
 //! - A size without texels is rejected (ruling `dimensions`).
 //! - A token that is not a decimal number violates clause 2.3/1. A number below 1 or above 2³² − 1 violates clause 2.3/3.
 //! - No file needs a number above 2³² − 1. A decoder that lets it wrap around reads 4294967297 as 1.

@@ -66,7 +66,8 @@ fn check_indices(
     Ok(())
 }
 
-/// Reads one-byte indices for up to 256 entries (clauses 2.8.1/2, 2.8.2/2), or two-byte ones for more (clauses 2.8.1/3, 2.8.2/3).
+/// Reads one-byte indices if there are at most 256 entries (clauses 2.8.1/2, 2.8.2/2), or else two-byte indices (clauses 2.8.1/3,
+/// 2.8.2/3).
 pub(crate) fn read_indices<'a>(
     table: &LookupTable,
     size: Size,

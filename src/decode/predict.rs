@@ -10,8 +10,8 @@
 //! ```
 //!
 //! Format notes
-//! - The text says only "modular arithmetic". The 128 and the inversion 255 − v were determined from HP's own file, and all known
-//!   decoders agree.
+//! - The text says only "modular arithmetic". The 128 and the inversion 255 − v were determined from HP's own file. All known
+//!   decoders use the same values.
 //! - No public file displaces a reference. Displacement involves five choices (rulings `motion-…`). Here, the
 //!   predictor at (x, y) is the reference at (x + mx/2, y + my/2) in the *stored* raster, where row 0 is the bottom
 //!   row of the image. Halves are rounded up, and samples outside the plane replicate its edge.

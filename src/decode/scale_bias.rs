@@ -13,8 +13,9 @@
 //! Format notes
 //! - Scales may have exponents, signs, and leading or trailing decimal points. They may be zero or negative (ruling `numbers`).
 //! - Biases below 0 and above 255 occur in real files. An integer written as `3.0` is accepted (ruling `odd-numbers`).
-//! - In `RGB` and `LRGB`, this is the last line of the header. The payload starts right after the line feed, and may itself start
-//!   with 0x0A or 0x20. A decoder that skips whitespace here loses texels (ruling `header-line-end`).
+//! - In `RGB` and `LRGB`, the line that contains the biases is the last line of the header. The payload starts right after the
+//!   line feed, and may itself start with 0x0A or 0x20. A decoder that skips whitespace here loses texels (ruling
+//!   `header-line-end`).
 
 use crate::error::Result;
 use crate::input::Input;

@@ -103,7 +103,7 @@ impl Reading {
 pub enum Alternative {
     /// `lut-newline`: one line end separates the table from the indices.
     NewlineAfterTable,
-    /// `lum-vector`: the matrix multiplies (Cr, Y, Cb, 1), the order in the name of the color space.
+    /// `lum-vector`: the matrix multiplies (Cr, Y, Cb, 1), in the order given by the name of the color space.
     CrFirst,
     /// `lum-major`: the sixteen numbers are row-major, as the text prints the matrix.
     RowsFirst,

@@ -63,7 +63,8 @@ mod tests {
     use crate::parts::{Extent, Plan, PlaneStream};
     use crate::ptm::{Coding, Size};
 
-    /// Fake decoder: the samples of a one-byte stream are the plane index and the byte. Rejects 255, and delays values below 8.
+    /// Fake decoder: the samples of a one-byte stream are the plane index and the byte. Rejects the byte 255, and waits before it
+    /// decodes a byte below 8.
     fn stream(stream: &PlaneStream) -> Result<Vec<u8>> {
         if stream.bytes[0] < 8 {
             std::thread::sleep(std::time::Duration::from_micros(200));

@@ -124,9 +124,9 @@ fn diagnose_whole_formats(
 }
 
 /// Returns true if the evidence for a misreading is too weak:
-/// - more cases contradict it than support it, including images of files that it would refuse,
+/// - more cases contradict it than support it (images of files that it would refuse count as contradictions),
 /// - only malformed files support it, and some case contradicts it,
-/// - a single legal file supports it, without an image,
+/// - only a single legal file supports it, and the response is not an image,
 /// - it explains a crash by a signal, and no image supports it, or
 /// - it changes values, no image supports it, and it explains fewer failures than there are unexplained images.
 fn is_weak(search: &Search, set: &[MistakeId], i: usize, share: &Share, left: &[usize]) -> bool {
@@ -153,7 +153,8 @@ fn is_weak(search: &Search, set: &[MistakeId], i: usize, share: &Share, left: &[
 }
 
 /// Returns true if the mistake at `index` is incompatible with mistakes that explain more failures, because it would spoil more
-/// responses than it explains. A response is spoiled if one of the other mistakes alone reproduces it, but both together do not.
+/// responses than it explains. A response is spoiled if one of these other mistakes reproduces it alone, but not in combination
+/// with the mistake at `index`.
 fn is_incompatible(search: &Search, set: &[MistakeId], shares: &[Share], index: usize) -> bool {
     let own = shares[index].explains.len();
     if own == 0 {

@@ -23,7 +23,7 @@ struct FailureEvidence {
     crashes: usize,
     /// Malformed files that the decoder accepts, as the mistake predicts.
     accepted: Vec<usize>,
-    /// Number of legal files for which the mistake changes the image, but not to the decoder's image.
+    /// Number of legal files for which the mistake changes the image, but does not reproduce the decoder's image.
     other_images: usize,
     /// Number of `other_images` that the mistake does not bring closer to the response.
     not_closer: usize,

@@ -1,7 +1,7 @@
 //! Greedy set cover: finds a small set of causes that together explain the failures.
 //!
 //! - The candidate that explains the most failures is chosen first, then the best candidate for the remaining failures.
-//! - A candidate is chosen last if at least as many passing cases contradict it as failures support it.
+//! - A candidate is chosen last unless more failures support it than passing cases contradict it.
 //! - Ties are broken in favor of fewer contradictions, then by order in the list.
 //! - Candidates that explain the same failures and have the same contradictions are equivalent: no case distinguishes them.
 
@@ -22,7 +22,7 @@ pub(crate) struct CoverCandidate<T> {
 }
 
 impl<T> CoverCandidate<T> {
-    /// Tries `cause` on the failing and the passing cases. Returns `None` if it explains no failure.
+    /// Tests `cause` against the failing and the passing cases. Returns `None` if the cause explains no failure.
     pub fn new(
         cause: T,
         failing: &[usize],

@@ -70,7 +70,8 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     probes
 }
 
-/// Returns the edits that reproduce all channels, or all wrong channels, of a probe exactly. Edits with more probes come first.
+/// Returns the edits that reproduce all channels, or all wrong channels, of a probe exactly. Edits that reproduce more probes
+/// come first.
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let used: Vec<Formula> = set
         .iter()

@@ -23,7 +23,7 @@ struct ObservedOutputs {
     files: Vec<usize>,
 }
 
-/// Returns misreadings that explain wrong values in `left`. Each consists of a table of all stored values or stream samples.
+/// Returns misreadings that explain wrong values in `left`. Each maps all stored values, or all stream samples, through a table.
 pub fn learn_tables(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<&'static Misreading> {
     let images = search.comparable_images(left);
     let is_jpeg = |w: &usize| search.witnesses[*w].case.format().coding() == Some(Coding::Jpeg);

@@ -1,4 +1,5 @@
-//! Properties that describe a set of files. Each was needed for the failures of a real decoder, or is a `make:` key in the cases.
+//! Properties that describe a set of files. Each was needed to describe the failures of a real decoder, or corresponds to a
+//! `make:` key in the cases.
 
 use super::witness::{Facts, Property, Quantity, Witness};
 use crate::generate::spelling::{Count, Line, Lists};

@@ -11,9 +11,10 @@ use crate::suite::cases::Expect;
 pub(super) enum FileScope {
     All,
     Formats(Vec<Format>),
-    /// Files with the property at this index. The string contains the clause and text of the property, separated by a space.
+    /// Files with the property at this index. The string contains the clause and the text of the property, separated by a space.
     Property(usize, &'static str),
-    /// Files whose `quantity` (an index) is at least or at most `bound`. The nearest value in any other file is `other_bound`.
+    /// Files for which the quantity at index `quantity` is at least or at most `bound`. The nearest value in any other file is
+    /// `other_bound`.
     Beyond {
         quantity: usize,
         /// Clause about the quantity, and the text that describes the quantity.
@@ -101,7 +102,8 @@ pub(super) struct SharedScope {
 }
 
 impl SharedScope {
-    /// Counts the legal files of one format, or of all formats, in the scope: those in the group, and all others.
+    /// Counts the legal files in the scope that have this format, or any format if `format` is `None`. Returns the number of
+    /// files in the group and the number of other files.
     pub fn count_legal(&self, witnesses: &[Witness], format: Option<Format>) -> (usize, usize) {
         let is_legal = |w: &usize| {
             let case = witnesses[*w].case;

@@ -27,7 +27,7 @@ use crate::protocol::frame::Answer;
 use crate::session::run::Run;
 use crate::suite::cases::Expect;
 
-/// A mistake that was found, and the mistakes that are equivalent to it. Members are in the order of discovery.
+/// A mistake that was found, and the mistakes that are equivalent to it. Lists of members are in the order of discovery.
 pub(super) struct Member {
     pub id: MistakeId,
     /// Mistakes that explain the same cases.

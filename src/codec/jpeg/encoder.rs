@@ -39,7 +39,8 @@ pub struct JpegOptions {
     /// requires 16-bit tables and SOF1, like a quality below 24.
     pub step: Option<u16>,
     /// Indices of the quantization, DC and AC tables, each at most 3 (default 0). Huffman table indices over 1 require an
-    /// extended frame. If set, each kind has tables 0 and 1 and all others up to its index, although only one is used.
+    /// extended frame. If set, the stream contains tables 0 and 1 of each kind, and all other tables up to the index, although
+    /// only one is used.
     pub table_numbers: Option<[u8; 3]>,
     /// Writes all quantization tables in one segment, and all Huffman tables in another.
     pub tables_together: bool,

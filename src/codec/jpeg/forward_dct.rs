@@ -15,7 +15,7 @@
 
 use super::dct::{EXTRA_BITS, FRACTION_BITS, FixedPoint};
 
-/// Transforms level-shifted samples to DCT coefficients times eight, both in row order.
+/// Transforms level-shifted samples into DCT coefficients that are multiplied by eight. Both are in row order.
 pub(super) fn forward_dct(block: &[i32; 64]) -> [i32; 64] {
     let mut intermediate = [0; 64];
     for (row, out) in block.chunks_exact(8).zip(intermediate.chunks_exact_mut(8)) {

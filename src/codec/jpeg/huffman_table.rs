@@ -56,7 +56,7 @@ impl HuffmanTable {
         codes
     }
 
-    /// Returns the first length that has more codes than the shorter codes leave room for. The code of all ones counts as taken.
+    /// Returns the first length that has more codes than fit after the shorter codes. The code of all ones counts as taken.
     pub fn overfull_length(&self) -> Option<usize> {
         let mut next = 0_u32;
         (1..=16).find(|&length| {

@@ -18,12 +18,12 @@
 
 use super::dct::{EXTRA_BITS, FRACTION_BITS, FixedPoint};
 
-/// Transforms DCT coefficients to samples, both in row order.
+/// Transforms DCT coefficients into samples. Both are in row order.
 pub(super) fn inverse_dct(coefficients: &[i32; 64]) -> [u8; 64] {
     inverse_dct_with::<i64>(coefficients)
 }
 
-/// Transforms all columns, then all rows, in numbers of type `T`.
+/// Transforms all columns, then all rows, with arithmetic of type `T`.
 pub(super) fn inverse_dct_with<T: FixedPoint>(coefficients: &[i32; 64]) -> [u8; 64] {
     let mut intermediate = [T::from_i32(0); 64];
     for x in 0..8 {

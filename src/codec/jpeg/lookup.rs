@@ -25,7 +25,8 @@ const SHORT_BITS: u32 = 10;
 /// A Huffman table, with a lookup table that maps the next bits of a segment to the short codes.
 pub(super) struct CodeTable {
     table: HuffmanTable,
-    /// Length (high byte) and symbol (low byte) of the code that the index starts with, or 0 if the code is longer or invalid.
+    /// Length (high byte) and symbol (low byte) of the code at the start of the index, or 0 if the code is longer than the index
+    /// or invalid.
     short_codes: [u16; 1 << SHORT_BITS],
 }
 

@@ -41,7 +41,8 @@ pub(crate) fn scaled_steps(quality: u8, baseline: bool) -> [u16; 64] {
     LUMINANCE_STEPS.map(|step| ((step * percent + 50) / 100).clamp(1, largest) as u16)
 }
 
-/// Returns the blocks in raster order, with quantized coefficients in zigzag order, and the samples that a decoder returns.
+/// Returns the blocks in raster order, with quantized coefficients in zigzag order. Also returns the samples that a decoder
+/// reconstructs from the blocks.
 pub(super) fn quantize_image(
     samples: &[u8],
     width: usize,

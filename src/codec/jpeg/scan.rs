@@ -1,4 +1,4 @@
-//! T.81 E.2.3, E.2.4: decoding a scan: all blocks of the image, in independent intervals
+//! T.81 E.2.3, E.2.4: decoding all blocks of a scan, in independent intervals
 //!
 //! Worked example: two intervals of one block each, with the DC codes 00 for size 0 and 01 for size 4, and the AC
 //! code 0 for the end of the block.

@@ -1,7 +1,7 @@
 //! T.81 A.3.6: the zigzag order of coefficients
 //!
-//! Coefficients are stored along the antidiagonals of the block, from low to high frequencies, so that most zeros after
-//! quantization are at the end. Quantization tables are stored in the same order.
+//! Coefficients are stored along the antidiagonals of the block, from low to high frequencies. After quantization, most zeros are
+//! therefore at the end. Quantization tables are stored in the same order.
 //!
 //! ```text
 //!  0  1  5  6 …

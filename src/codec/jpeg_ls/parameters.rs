@@ -54,7 +54,7 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Fills in defaults and validates the parameters. `presets_at` and `near_at` are offsets in the stream, for errors.
+    /// Fills in defaults and validates the parameters. `presets_at` and `near_at` are offsets in the stream, for error messages.
     pub fn new(
         presets: &PresetParameters,
         presets_at: usize,

@@ -46,7 +46,7 @@ pub(super) struct RunContext {
 /// Prediction of the sample that interrupts a run (A.7.2).
 pub(super) struct Interruption {
     pub predicted: i32,
-    /// Factor of the prediction errors before they are coded, 1 or −1.
+    /// Factor by which prediction errors are multiplied before they are coded: 1 or −1.
     pub sign: i32,
     /// `RItype`: 1 if |a − b| ≤ NEAR, else 0.
     pub kind: i32,
@@ -98,7 +98,8 @@ impl Interruption {
 }
 
 impl RunContext {
-    /// Returns k (A.7.2). If |a − b| ≤ NEAR, no error is 0 and A sums the magnitudes minus one, so half of N is added to A.
+    /// Returns k (A.7.2). If |a − b| ≤ NEAR, errors are never 0, and A is the sum of the magnitudes, each minus one. Half of N is
+    /// therefore added to A.
     pub fn golomb_parameter(&self, kind: i32) -> u32 {
         golomb_parameter(self.a + kind * (self.n >> 1), self.n)
     }
@@ -110,7 +111,7 @@ impl RunContext {
         if is_positive { 1 } else { -1 }
     }
 
-    /// Updates the statistics after an error (A.7.2). `mapped` is the coded number of the error.
+    /// Updates the statistics after an error (A.7.2). `mapped` is the nonnegative number that represents the error in the stream.
     pub fn update(&mut self, error: i32, mapped: i32, kind: i32, reset: i32) {
         self.negative += i32::from(error < 0);
         self.a += (mapped + 1 - kind) >> 1;
