@@ -80,7 +80,7 @@ impl<'a> Input<'a> {
         value.ok_or_else(|| self.unexpected_at(start, clause, name))
     }
 
-    /// Reads an integer that fits in `T`, a `u32` or `i64`, in decimal digits with an optional sign.
+    /// Reads an integer, written in decimal digits with an optional sign. The integer must fit in `T`, which is `u32` or `i64`.
     pub(crate) fn integer<T: FromStr>(
         &mut self,
         clause: &'static str,

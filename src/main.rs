@@ -56,7 +56,8 @@ enum Command {
     Report(cli::report::ReportArgs),
     #[cfg(unix)]
     Coverage(cli::coverage::CoverageArgs),
-    /// At the end of standard input, kills all processes that RUN left or that run in DIRECTORIES, and removes the directories.
+    /// When standard input ends, kills all processes that RUN left behind or that run in DIRECTORIES, and removes the
+    /// directories.
     #[cfg(unix)]
     #[command(hide = true)]
     Watch {

@@ -68,7 +68,7 @@ pub(super) struct Search<'a> {
 struct SetEffect {
     score: i64,
     agreement: Agreement,
-    /// Hash of the answer. If several answers are possible, the one with the highest score is used.
+    /// Hash of the answer, or of the answer with the highest score if several answers are possible.
     answer: u64,
 }
 
@@ -149,7 +149,7 @@ impl<'a> Search<'a> {
         self.select(self.failing(), |w| self.set_score(w, set) < REFUSAL_SCORE)
     }
 
-    /// Finds, one at a time, the mistakes that explain the most failures. `add_candidates` adds mistakes outside the catalog.
+    /// Returns a small set of mistakes that explains the failures. `add_candidates` adds candidates that are not in the catalog.
     pub fn run(
         &mut self,
         add_candidates: impl Fn(&mut Search, &MistakeSet, &[usize]),
@@ -270,8 +270,8 @@ impl<'a> Search<'a> {
             && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
     }
 
-    /// Returns the small passing files that a decoder with `set` and one more mistake would fail. An edit does not describe the
-    /// checks of the decoder, so neither malformed files nor predicted refusals contradict it.
+    /// Returns the small passing files that a decoder with `set` and one more mistake would fail. For an edit, ignores predicted
+    /// refusals and files that need not be decoded, because an edit does not model the checks of a decoder.
     pub fn refuting_files_with(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
         let is_refuted = |&w: &usize| {
             let witness = &self.witnesses[w];
@@ -329,7 +329,7 @@ impl<'a> Search<'a> {
             .any(explains)
     }
 
-    /// Returns the mistakes that can change the answer, among those in `set` and the assumed ones.
+    /// Returns the mistakes in `set` and the assumed mistakes, except those that cannot change the answer.
     fn relevant_ids(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let all = self.assumed.iter().chain(set).copied();
         all.filter(|&id| self.witnesses[w].can_affect(&self.mistakes[id]))
@@ -381,7 +381,7 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Runs `work` and returns its result. If it panics, records the message and returns the default.
+    /// Runs `work` and returns its result. If `work` panics, records the message and returns the default value.
     pub fn run_or_default<T: Default>(&self, work: impl FnOnce() -> T) -> T {
         catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
             self.record_panic(&*panic);
@@ -485,8 +485,9 @@ impl<'a> Search<'a> {
         effect
     }
 
-    /// Returns the mistakes that change the answer on their own, among those in `set` and the assumed ones. Other mistakes rarely
-    /// have an effect in combination, except for changes to the bytes of a file.
+    /// Returns the mistakes in `set` and the assumed mistakes, except those that do not change the answer on their own. Such
+    /// mistakes rarely have an effect in combination. Edits of bytes may be kept, because they may have an effect only after
+    /// another edit.
     fn visible_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let relevant_ids = self.relevant_ids(w, set);
         let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
@@ -557,7 +558,8 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns the best mistake to add to `set` among those that explain a case in `tried`. Removes the finalists from `all`.
+    /// Returns the candidate in `all` that is the best addition to `set`. Tries every candidate on the cases in `tried`, and
+    /// removes the finalists from `all`.
     fn pick_best(&self, set: &MistakeSet, all: &mut MistakeSet, tried: &[usize]) -> Option<Member> {
         let score: Vec<i64> = tried.iter().map(|&w| self.set_score(w, set)).collect();
         let gains = self.par_map(all, |&id| {
@@ -591,7 +593,8 @@ impl<'a> Search<'a> {
         all.map(|w| with_large || self.is_small(w)).collect()
     }
 
-    /// Returns the finalist that is best on all cases marked in `tried`, together with any equally good ones.
+    /// Returns the finalist with the highest total score on the cases marked in `tried`, together with any equally good
+    /// finalists.
     fn pick_finalist(
         &self,
         set: &MistakeSet,
@@ -646,13 +649,14 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Returns true if a failing case is about the misread clause.
+    /// Returns true if a failing case tests the clause that the mistake misreads.
     fn tests_misread_clause(&self, id: MistakeId) -> bool {
         let listed = self.mistakes[id].catalog_misreading();
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
     }
 
-    /// Returns the total score of a mistake with this `gain` on the unexplained cases, or `None` if it is below `min_score`.
+    /// Returns the total score of a mistake with this `gain` on the unexplained cases, or `None` if the total is below
+    /// `min_score`.
     fn total_score(
         &self,
         set: &MistakeSet,
@@ -675,7 +679,8 @@ impl<'a> Search<'a> {
         (total >= min_score).then_some(total)
     }
 
-    /// Returns two mistakes that explain an image only in combination. Tries pairs that change the image, on the smallest files.
+    /// Returns the best pair of mistakes that together explain an image. On the smallest files, tries pairs of mistakes that each
+    /// change the image.
     fn best_pair_on_images(&self, set: &MistakeSet, left: &[usize]) -> Option<Vec<Member>> {
         let mut images = self.comparable_images(left);
         images.sort_by_key(|&w| self.witnesses[w].built.file.len());
@@ -783,7 +788,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Selects the cases with a small wrong image of the correct shape.
+    /// Returns the cases in `left` with a wrong image that is small and has the correct shape.
     pub fn comparable_images(&self, left: &[usize]) -> Vec<usize> {
         let has_shape = |w: &usize| match (
             self.witnesses[*w].wrong_image(),
@@ -832,7 +837,7 @@ impl<'a> Search<'a> {
         self.sample_count(w) <= MAX_SMALL_IMAGE_SAMPLES
     }
 
-    /// Returns the smallest of these cases: at least one, and no more than `limit` samples and bytes in total.
+    /// Returns the smallest of these cases: at least one, and otherwise as many as fit in `limit` samples and bytes in total.
     pub fn smallest(&self, left: &[usize], limit: usize) -> Vec<usize> {
         let mut smallest = left.to_vec();
         smallest.sort_by_key(|&w| (self.sample_count(w), self.witnesses[w].built.file.len()));

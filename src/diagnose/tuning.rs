@@ -17,13 +17,13 @@ pub(super) const CONTRADICTION_SCORE: i64 = -16;
 pub(super) const OTHER_LENIENT_ANSWER_SCORE: i64 = -1;
 
 // Extent of the search
-/// Maximum number of mistakes in a result. Real decoders make up to ten detectable mistakes.
+/// Maximum number of mistakes in a result. The known decoders have at most ten detectable mistakes.
 pub(super) const MAX_MISTAKES: usize = 12;
-/// Maximum number of diverse failing cases on which every mistake is tried first.
+/// Maximum size of the diverse sample of failing cases on which every mistake is tried first.
 pub(super) const MAX_SAMPLE: usize = 40;
 /// Maximum number of mistakes that are compared with every case. Dozens may look equally promising.
 pub(super) const MAX_FINALISTS: usize = 32;
-/// Maximum number of samples in a small image. Larger images are skipped if smaller files fail in the same way.
+/// Maximum number of samples in a small image. Larger images are skipped unless only larger images are left.
 pub(super) const MAX_SMALL_IMAGE_SAMPLES: usize = 1 << 13;
 /// Number of image samples that cost as much as one small file.
 pub(super) const SAMPLES_PER_WORK_UNIT: usize = 512;
@@ -31,7 +31,7 @@ pub(super) const SAMPLES_PER_WORK_UNIT: usize = 512;
 pub(super) const MAX_PAIRS: usize = 3;
 /// Units of work after which the search stops.
 pub const MAX_WORK: usize = 400_000;
-/// Maximum units of work for finding two mistakes that mask each other.
+/// Maximum number of units of work for finding a pair of mistakes that mask each other.
 pub(super) const MAX_PAIR_WORK: usize = 8_000;
 /// Maximum number of failing cases on which every mistake is tried if no mistake explains enough of the sample.
 pub(super) const MAX_FALLBACK_CASES: usize = 160;
@@ -39,7 +39,8 @@ pub(super) const MAX_FALLBACK_CASES: usize = 160;
 pub(super) const MAX_TRIED_SAMPLES: usize = 1 << 20;
 
 // Edits of formulas
-/// Maximum number of passes over the edits. The first pass tries each edit alone, the second together with mistakes already found.
+/// Maximum number of passes over the edits. The first pass tries each edit alone. The second pass tries each edit together with
+/// the mistakes already found.
 pub(super) const MAX_EDIT_PASSES: usize = 2;
 /// Maximum number of failing files per format and view on which every edit is tried.
 pub(super) const MAX_PROBES: usize = 2;
@@ -56,7 +57,7 @@ pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
 pub(super) const MIN_SUPPORT: usize = 4;
 /// Minimum number of files that share a reported property.
 pub(super) const MIN_SHARING_FILES: usize = 2;
-/// Minimum number of files that the decoder must read for a property shared by the refused files to be significant.
+/// Minimum number of files that the decoder must read before a property that the refused files share is considered significant.
 pub(super) const MIN_READ_FILES: usize = 20;
 /// A property is reported if the probability of a coincidence is less than one in this many.
 pub(super) const COINCIDENCE_ODDS: f64 = 50.0;
@@ -64,7 +65,7 @@ pub(super) const COINCIDENCE_ODDS: f64 = 50.0;
 pub(super) const COINCIDENCE_DIVISOR: usize = 12;
 /// A share of at least one in this many is substantial.
 pub(super) const SUBSTANTIAL_DIVISOR: usize = 4;
-/// Share (numerator and denominator) that counts as nearly all. The rest of a view may have a second cause.
+/// Minimum share (numerator and denominator) that counts as nearly all. The remaining cases may have a different cause.
 pub(super) const NEARLY_ALL_RATIO: [usize; 2] = [3, 4];
 /// Maximum rounding error of colors computed in single precision.
 pub(super) const ROUNDING_SLACK: f64 = 0.02;

@@ -47,7 +47,8 @@ pub(super) struct Witness<'a> {
     decoded: OnceLock<crate::error::Result<Ptm>>,
 }
 
-/// A property: its clause and a text that completes "files …", separated by a space; and true if the file has the property.
+/// A property of a file: its clause and a text that completes "files …", separated by a space, and a flag that is true if the
+/// file has the property.
 pub(super) type Property = (&'static str, bool);
 
 /// A numeric property of a file: the clause about it, a text in which {} stands for a phrase such as "at least 17", and the
@@ -71,7 +72,7 @@ pub(super) enum Agreement {
     Crash,
     /// The images or outcomes differ.
     None,
-    /// The answer is a refusal, but the response is an image: the decoder does not make this mistake.
+    /// The answer is a refusal, but the response is an image, so the decoder does not make the mistakes.
     Contradiction,
 }
 
@@ -82,8 +83,8 @@ impl Agreement {
     }
 }
 
-/// Returns a witness for every case that passed or failed with consistent responses. Mistakes are applied to `reading` or, if it
-/// is `None`, to the dialect inferred for the decoder.
+/// Returns a witness for every case that passed or failed, except cases with inconsistent responses or broken promises. Mistakes
+/// are applied to `reading` or, if `reading` is `None`, to the dialect inferred for the decoder.
 pub(super) fn witnesses<'a>(
     suite: &'a Suite,
     run: &'a Run,
@@ -276,8 +277,9 @@ impl Witness<'_> {
         }
     }
 
-    /// Returns false if two similar images may agree only because of the tolerance for colors. This is so if all wrong colors are
-    /// near 0 or 255 and many of them differ between the images, or if all others differ by one in the same direction.
+    /// Returns false if two similar images may agree only because of the tolerance for colors. This is the case if all wrong
+    /// colors are near 0 or 255 and many of these colors differ between the images, or if all wrong colors that are not near 0 or
+    /// 255 differ by one in the same direction.
     fn is_significant_match(&self, image: &Frame, actual: &Frame) -> bool {
         let Answer::Decoded(right) = &self.expected else {
             return true;
@@ -413,7 +415,8 @@ pub(crate) fn dialect_reading(run: &Run) -> Reading {
     }
 }
 
-/// Returns true if the misreading can affect the file. Its clause may require a table, a matrix or compressed planes.
+/// Returns true if the misreading can affect the file. The clause of the misreading may apply only to files with a table, a
+/// matrix or compressed planes.
 #[must_use]
 pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];

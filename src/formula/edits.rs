@@ -184,7 +184,7 @@ fn replace_operators(node: &Expression, _: Scope) -> Vec<Expression> {
     }
 }
 
-/// Divides or adds two adjacent parts of a product instead of multiplying them.
+/// Returns variants of a product in which two adjacent parts are divided or added instead of multiplied.
 fn split_product(factors: &[Expression]) -> Vec<Expression> {
     let split_at = |(start, middle): (usize, usize)| {
         let parts = [&factors[start..middle], &factors[middle..]];

@@ -26,9 +26,9 @@ pub struct Scope {
 pub enum Expression {
     /// A constant.
     Number(f64),
-    /// A variable, by index in the scope.
+    /// A variable, identified by its index in the scope.
     Variable(usize),
-    /// An element of a list, with the index of the list in the scope.
+    /// An element of a list: the index of the list in the scope, and the index of the element.
     Element(usize, Box<Expression>),
     /// A sum of two or more terms.
     Sum(Vec<Expression>),
@@ -49,9 +49,9 @@ pub enum Expression {
 pub enum Function {
     /// `floor(a)`.
     Floor,
-    /// `round(a)`, with halves away from zero.
+    /// `round(a)`, which rounds halves away from zero.
     Round,
-    /// `truncate(a)`, toward zero.
+    /// `truncate(a)`, which rounds toward zero.
     Truncate,
     /// `abs(a)`.
     Abs,
@@ -187,7 +187,7 @@ impl Expression {
         text
     }
 
-    /// Appends the expression to `text`. Adds parentheses if it binds more weakly than `strength`: 1 for a term, 2
+    /// Appends the expression to `text`. Adds parentheses if the expression binds more weakly than `strength`: 1 for a term, 2
     /// for a factor, 3 for the right side of a division.
     fn write(&self, text: &mut String, scope: Scope, strength: u8) {
         let own_strength = match self {

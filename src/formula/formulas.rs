@@ -57,7 +57,7 @@ pub enum Formula {
     Corrected,
 }
 
-/// Stages of decoding, in order. A mistake in one stage affects this and all later stages.
+/// Stages of decoding, in order. A mistake in one stage affects that stage and all later stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Stage {
     /// Reading the bytes.

@@ -355,7 +355,7 @@ impl Draft {
     }
 }
 
-/// Returns the section that describes the payload of a format.
+/// Returns the clause that introduces the payload of a format.
 fn section(format: Format) -> &'static str {
     match format.storage() {
         Storage::Texels => "2.7/1",
@@ -364,8 +364,8 @@ fn section(format: Format) -> &'static str {
     }
 }
 
-/// Generates a size: usually small, sometimes elongated, around 256, or with over 65,535 texels. No width exceeds 65,500, the
-/// limit of libjpeg, because a decoder may have the same limit.
+/// Generates a size: usually small, and sometimes elongated, with a side near 256, or with more than 65,535 texels. No width
+/// exceeds 65,500, the limit of libjpeg, because a decoder may have the same limit.
 fn draw_size(format: Format, u: &mut Unstructured) -> Result<(u32, u32)> {
     Ok(match u.int_in_range(0..=99)? {
         0 => *u.choose(&[(257, 256), (300, 220), (65_500, 2), (2, 32_769)])?,

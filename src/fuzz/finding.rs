@@ -93,7 +93,7 @@ impl KnownDecoder<'_> {
 
 /// Reason why the decoder fails on a file.
 pub enum Explanation {
-    /// One of these misreadings, the most likely first.
+    /// One of these misreadings, in the order of the catalog.
     Misreading(Vec<&'static Misreading>),
     /// The decoder accepts a file with this damage.
     Accepts(&'static str),
@@ -132,7 +132,7 @@ impl Explanation {
         }
     }
 
-    /// Tries to extend this explanation to another failure: if it succeeds, keeps only suspects that explain both, and returns true.
+    /// Returns true if this explanation also explains another failure. If so, keeps only the suspects that explain both failures.
     pub(super) fn extend_to_failure(
         &mut self,
         draft: &Draft,

@@ -70,7 +70,7 @@ pub struct FuzzResult {
 pub enum FuzzProgress<'a> {
     /// Number of requests so far.
     Executions(usize),
-    /// A new mistake, already minimized.
+    /// A new finding, whose file is already minimized.
     Found(&'a Finding),
 }
 

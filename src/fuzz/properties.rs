@@ -99,7 +99,7 @@ pub fn spelling(bytes: &[u8]) {
     assert_eq!(drawn, planes(&recipe, &model));
 }
 
-/// Checks that planes decode to the same values from plain texels as from lossless JPEG-LS with any prediction.
+/// Checks that planes stored as plain texels and planes stored as lossless JPEG-LS with any prediction decode to the same values.
 ///
 /// # Panics
 /// Panics if the check fails.
@@ -233,7 +233,8 @@ fn jpeg_ls_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg_ls::JpegLsOpt
     Ok((u.int_in_range(1..=60)?, u.int_in_range(1..=40)?, options))
 }
 
-/// Fills samples with the remaining bytes, repeated as needed: few bytes produce runs, and many produce noise.
+/// Returns samples that consist of the remaining bytes, repeated as needed. A single byte produces a run, and many bytes produce
+/// noise.
 fn samples_from_bytes(width: u32, height: u32, u: &mut Unstructured) -> Vec<u8> {
     let bytes = u.bytes(u.len()).unwrap_or_default();
     let bytes = if bytes.is_empty() { &[128][..] } else { bytes };

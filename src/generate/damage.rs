@@ -324,7 +324,7 @@ fn size_edits(file: &NamedPlaces, splices: &[Splice]) -> Vec<Splice> {
         .collect()
 }
 
-/// Applies splices that do not overlap to a file.
+/// Applies non-overlapping splices to a file.
 fn apply_splices(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, String> {
     // An empty place may have the same start as the next field.
     splices.sort_by_key(|(spot, _)| (spot.range.start, spot.field));

@@ -68,7 +68,7 @@ pub mod damage;
 #[cfg(feature = "harness")]
 mod place;
 
-/// Streams with wrong properties that replace streams in a file.
+/// Streams that replace streams in a file but have wrong properties.
 #[cfg(feature = "harness")]
 mod stand_in;
 

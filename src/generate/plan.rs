@@ -337,7 +337,7 @@ impl Compression {
             .any(|(_, transform, _)| transform & MOTION != 0)
     }
 
-    /// Returns the open choices that may affect a file with these lists. Some of these choices may have no effect.
+    /// Returns the open choices that may affect a file with these lists, although some may turn out to have no effect.
     #[must_use]
     pub fn axes(&self) -> Vec<&'static str> {
         let is_moved = |&(_, transform, vector): &_| transform & MOTION != 0 && vector != (0, 0);

@@ -55,7 +55,7 @@ fn sample_between(plane: &[u8], size: Size, x2: i64, y2: i64) -> u8 {
     ((sum + 2) >> 2) as u8
 }
 
-/// Returns the sample at a position, or the nearest edge sample if it is outside the plane (motion-border).
+/// Returns the sample at a position, or the nearest edge sample if the position is outside the plane (ruling `motion-border`).
 fn sample_at(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]

@@ -22,12 +22,12 @@ pub(super) fn write(model: &Model, out: &mut Output) {
     }
 }
 
-/// Writes R, G, B of every texel, for LRGB and after the indices of `PTM_LUT` (clause 2.8.1/4).
+/// Writes R, G and B of every texel, for LRGB files and after the indices of `PTM_LUT` files (clause 2.8.1/4).
 pub(super) fn write_colors(clause: &'static str, model: &Model, out: &mut Output) {
     out.put(clause, "colors", &block(model, 6..9));
 }
 
-/// Returns some channels of every texel, from the bottom row to the top.
+/// Returns the samples of these channels for every texel, from the bottom row to the top row.
 fn block(model: &Model, channels: Range<usize>) -> Vec<u8> {
     let per_texel = model.format.channels();
     let row = model.size.width as usize * per_texel;

@@ -4,7 +4,7 @@ use crate::decode::examine_as;
 use crate::ptm::Field;
 use crate::reading::Reading;
 
-/// Clauses for [`Anatomy::respell`] that select every field.
+/// Empty list of clauses, for which [`Anatomy::respell`] selects every header field.
 pub(super) const ANY: &[&str] = &[];
 
 /// The file as a decoder with a mistake sees it.

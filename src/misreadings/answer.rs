@@ -27,7 +27,8 @@ pub(crate) fn refusal_answer(error: Option<Error>) -> Answer {
     }
 }
 
-/// Decodes a file with these mistakes, except those that change decoded planes. Returns the map and the modified reading.
+/// Decodes a file as a decoder with these mistakes would, except for mistakes that change decoded planes. Returns the map and the
+/// modified reading.
 ///
 /// # Errors
 /// Returns the error that makes the decoder refuse the file, or `None` if a mistake causes the refusal.
@@ -73,7 +74,7 @@ pub(crate) fn render(
     Answer::Decoded(Frame::render_edited(&ptm, view, reading, Edits(&edits)))
 }
 
-/// Computes the colors under a light for a decoder with these mistakes, before rounding.
+/// Computes the unrounded colors under a light for a decoder with these mistakes.
 #[cfg(unix)]
 pub(crate) fn unrounded_colors(
     misreadings: &[&Misreading],

@@ -198,7 +198,7 @@ fn shorten(text: &str, known: &str) -> Option<String> {
     text.starts_with(known).then(|| known.to_owned())
 }
 
-/// Returns the part of `text` before the first of the characters `ends`, if `text` contains one.
+/// Returns the part of `text` before the first character that is in `ends`, if there is such a character.
 fn text_before(text: &str, ends: &[char]) -> Option<String> {
     Some(text.split_once(ends)?.0.to_owned())
 }

@@ -168,7 +168,8 @@ impl Hook {
         }
     }
 
-    /// Returns true if the mistake changes a decision of [`Reading`]. A decoder makes each decision in only one way.
+    /// Returns true if the mistake changes a decision of [`Reading`] or edits formulas. A decoder makes each decision in only one
+    /// way.
     #[must_use]
     pub const fn is_decision(&self) -> bool {
         !matches!(self, Hook::Bytes(_) | Hook::Planes(_))

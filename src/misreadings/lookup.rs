@@ -77,7 +77,8 @@ pub(super) const STEPS: Steps = |slug| {
     })
 };
 
-/// Maximum number of table entries that a mistake allocates. It far exceeds the number that two-byte indices can address.
+/// Maximum number of table entries in files that a mistake edits. The limit bounds the memory used. It far exceeds the number
+/// that two-byte indices can address.
 const MAX_ENTRIES: usize = 1 << 20;
 
 /// Returns the number of table entries and the size of an entry in bytes, if the file has a table.

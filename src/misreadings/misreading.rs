@@ -29,7 +29,7 @@ pub struct Misreading<A = Hook> {
     pub step: A,
 }
 
-/// The symptom of a mistake in the answers of a decoder.
+/// The way in which a mistake shows in the answers of a decoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Symptom {
@@ -81,7 +81,7 @@ struct MisreadingRecord {
 /// Joins each record in a YAML file with the step that the mistake changes: the step for its slug, or the step that
 /// `step_from_edits` creates from its formula edits.
 ///
-/// The strings are leaked, because each catalog is created only once.
+/// The strings are leaked, which is harmless because each catalog is created only once.
 ///
 /// # Errors
 /// Returns a message that names the offending line.

@@ -69,7 +69,7 @@ fn limit_displacement(displacement: i64) -> i64 {
     displacement.clamp(-(1 << 40), 1 << 40)
 }
 
-/// Returns the sample at a position, or 0 if it is outside the plane.
+/// Returns the sample at a position, or 0 if the position is outside the plane.
 fn black_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
@@ -89,8 +89,8 @@ struct PlaneAxis {
     other_length: i64,
 }
 
-/// Function that returns the positions of the two samples to average along an axis. `at` is the position of the texel. The
-/// displacements, along this axis and the other one, are in half texels.
+/// Function that returns the positions of the two samples to average along an axis. `at` is the position of the texel.
+/// `displacements` contains the displacements along this axis and along the other axis, in half texels.
 type Taps = fn(at: i64, displacements: [i64; 2], &PlaneAxis) -> [i64; 2];
 
 /// Displaces a reference according to the correct rule, except that `taps` determines the positions of the four averaged samples.

@@ -174,7 +174,7 @@ fn reconstruct_partly_corrected(
     Ok(done)
 }
 
-/// Parses the records of a legal block with `read`. Ignores positions past the end.
+/// Parses each record of a legal block with `read`. Ignores records with positions past the end of the plane.
 fn read_records_with(
     block: &[u8],
     at: usize,

@@ -5,7 +5,7 @@ use crate::protocol::frame::View;
 use crate::ptm::{Ptm, Shape};
 use crate::suite::compare;
 
-/// Returns how a value in an image is computed from stored values, or `None` if the value itself is stored.
+/// Formats the computation of a value in an image from stored values. Returns `None` if the value itself is stored.
 pub(in crate::diagnose) fn format_arithmetic(
     witness: &Witness,
     texel: usize,
@@ -15,7 +15,7 @@ pub(in crate::diagnose) fn format_arithmetic(
     format_steps(ptm, &witness.observation.view, texel, channel)
 }
 
-/// Returns how a value in a view of a map is computed, or `None` if the value itself is stored.
+/// Formats the computation of a value in a view of a map. Returns `None` if the value itself is stored.
 #[must_use]
 pub fn format_steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Option<String> {
     let raw = ptm.planes.texels().nth(texel)?;

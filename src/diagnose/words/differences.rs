@@ -10,11 +10,10 @@ use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::scope::{FileScope, SharedScope, shared_scope};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most};
-use crate::diagnose::{failure_mode::FailureMode, pair::ImagePair, witness::Witness};
+use crate::diagnose::{pair::ImagePair, witness::Witness};
 use crate::protocol::frame::{Answer, Frame, ViewKind};
 use crate::ptm::{Coding, Format, ScaleBias, channel_name};
 use crate::session::observation::Response;
-use crate::suite::cases::Expect;
 use crate::suite::compare::{Expected, format_distinct};
 use crate::suite::origin;
 
@@ -196,9 +195,10 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
     diagnoses
 }
 
-/// Attributes wrong final values and colors to a step of an earlier view if that view has more than half as many unexplained
-/// wrong images. Images are counted in the same format, or in all formats with wrong images in the earlier view. Images that are
-/// described elsewhere also count. [`Phase::Rearranged`] is used only if it applies to most wrong images of the format.
+/// Attributes wrong final values and colors to a step of an earlier view if the earlier view has more than half as many
+/// unexplained wrong images as the later view. Images are counted in the same format, or in all formats with wrong images in the
+/// earlier view. Images that are described elsewhere also count. [`Phase::Rearranged`] is used only if it applies to most wrong
+/// images of the format.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -368,7 +368,8 @@ fn views_phrase(witnesses: &[Witness], indices: &[usize]) -> String {
     }
 }
 
-/// Returns one flag per channel: true if it is wrong in an image of the earliest view. Empty if the numbers of channels differ.
+/// Returns one flag per channel: true if the channel is wrong in an image of the earliest view. Returns an empty list if the
+/// images differ in their number of channels.
 pub(in crate::diagnose) fn wrong_channels(
     search: &Search,
     set: &[MistakeId],
@@ -537,7 +538,8 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     }
 }
 
-/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may explain its crash.
+/// Returns true if the mistake `member` more than halves the number of wrong samples in case `w`, or may explain the crash of the
+/// decoder in this case.
 pub(in crate::diagnose) fn reduces_wrong_samples(
     search: &Search,
     w: usize,
@@ -585,7 +587,8 @@ pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], indices: &[usize
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// Describes the first wrong sample in a file: its received and expected values, the arithmetic, and the bytes that determine it.
+/// Describes the first wrong sample in a file: its received and expected values, the arithmetic, and the bytes that determine the
+/// expected value.
 pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
     example_with_mistakes(search, &[], w)
 }
@@ -636,8 +639,8 @@ fn example_with_mistakes(search: &Search, set: &[MistakeId], w: usize) -> String
     text
 }
 
-/// Returns the first wrong sample. In a compressed file, this is the first stored sample of the first plane that is
-/// not predicted from a wrong plane.
+/// Returns the first wrong sample. In a compressed file, this is the first wrong sample, in stored order, of the first wrong
+/// plane that is not predicted from another wrong plane.
 fn first_wrong(pair: &ImagePair, witness: &Witness, open: &[usize]) -> Option<usize> {
     let mut wrong = pair.wrong_samples();
     let is_open = |i: &usize| open.binary_search(i).is_ok();

@@ -55,8 +55,8 @@ fn has_unjudged_files(witnesses: &[Witness], indices: &[usize]) -> bool {
     })
 }
 
-/// Returns the clause about the layout that these files share: the layout of their format, of tables, or of compressed planes.
-/// Files of different formats have only the header in common.
+/// Returns the clause about the layout that these files share: the layout of their format, of tables, or of compressed planes. If
+/// the layouts differ in other ways, returns the clause about the header.
 pub(super) fn shared_clause(witnesses: &[Witness], indices: &[usize]) -> &'static str {
     let formats: Vec<Format> = indices
         .iter()

@@ -1,4 +1,4 @@
-//! Describes formats that a decoder declares but does not read: a mistake in its capabilities.
+//! Describes formats that a decoder declares but does not read. This is a mistake in the capabilities that the decoder declares.
 
 use std::collections::BTreeSet;
 
