@@ -49,7 +49,6 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     Ok(status)
 }
 
-/// Checks a PTM decoder.
 fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     let suite = Suite::load()?;
     let subset = match args.smoke {

@@ -93,7 +93,6 @@ fn classify_named_path((path, is_listed): NamedPath) -> WalkStep {
     }
 }
 
-/// Classifies a folder entry.
 fn classify_entry(folder: &Path, entry: FolderEntry) -> WalkStep {
     let (path, kind) = match entry {
         Ok((name, kind)) => (folder.join(name), kind),

@@ -139,7 +139,6 @@ impl<'a, C: Reportable> ReportWriter<'a, C> {
         Ok(comparison.exit_status(run))
     }
 
-    /// Writes the other requested formats of the report.
     fn write_other_formats(&self, run: &Run<C>, report: &Report) -> Result<(), String> {
         if let Some(path) = &self.args.html {
             write_atomically(path, html::page(self.suite, report, Some(run))?)?;

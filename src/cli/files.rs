@@ -78,7 +78,6 @@ pub fn is_named_pipe(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|found| found.file_type().is_fifo())
 }
 
-/// Returns the directory that contains a file.
 fn parent_directory(path: &Path) -> &Path {
     let parent = path.parent().filter(|parent| *parent != Path::new(""));
     parent.unwrap_or(Path::new("."))

@@ -28,7 +28,6 @@ pub fn add_links(text: &str) -> String {
     }
 }
 
-/// Returns the URL of the page for an id.
 fn page_url(word: &str) -> Option<String> {
     PAGES.get(word).map(|page| published_url(page))
 }

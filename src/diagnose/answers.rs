@@ -35,7 +35,6 @@ impl Witness<'_> {
         answer
     }
 
-    /// Returns the misreading of each mistake that affects this file.
     fn misreadings_in_scope(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {
         let in_scope = mistakes
             .iter()

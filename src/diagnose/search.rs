@@ -460,7 +460,6 @@ impl<'a> Search<'a> {
         self.effect(w, set).score
     }
 
-    /// Returns the effect of `set` on case `w`.
     fn effect(&self, w: usize, set: &[MistakeId]) -> SetEffect {
         if self.is_interrupted() {
             return SetEffect::NO_EFFECT;
@@ -537,7 +536,6 @@ impl<'a> Search<'a> {
         hasher.finish()
     }
 
-    /// Returns the score of an answer to case `w`.
     fn score_of_answer(&self, w: usize, answer: &Answer) -> i64 {
         let witness = &self.witnesses[w];
         let is_lenient = matches!(
@@ -884,7 +882,6 @@ pub(super) fn ids_of(members: &[Member]) -> MistakeSet {
     members.iter().map(|member| member.id).collect()
 }
 
-/// Returns `set` without `member`.
 pub(super) fn without_id(set: &[MistakeId], member: MistakeId) -> MistakeSet {
     let others = set.iter().copied().filter(|&other| other != member);
     others.collect()

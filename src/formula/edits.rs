@@ -339,7 +339,6 @@ fn add_factors(node: &Expression, _: Scope) -> Vec<Expression> {
         .collect()
 }
 
-/// Adds a constant to a node.
 fn add_constants(node: &Expression, _: Scope) -> Vec<Expression> {
     let sum = |constant| Expression::Sum(vec![node.clone(), number(constant)]);
     [1.0, -1.0, 128.0, -128.0, 0.5].map(sum).to_vec()

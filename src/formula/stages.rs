@@ -29,7 +29,6 @@ impl Edits<'_> {
         edit.map(|edit| &edit.change)
     }
 
-    /// Returns true if any of these formulas is edited.
     fn edits_any(&self, formulas: RangeInclusive<Formula>) -> bool {
         self.0.iter().any(|edit| formulas.contains(&edit.formula))
     }
@@ -144,7 +143,6 @@ struct TexelLayout<'a> {
     edits: Edits<'a>,
 }
 
-/// Returns the error for an address outside the data.
 fn outside_data_error(offset: usize) -> Error {
     let kind = Kind::Short {
         what: "the addressed values",

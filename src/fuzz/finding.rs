@@ -55,7 +55,6 @@ impl KnownDecoder<'_> {
         Some(DraftRequest { case, built, view })
     }
 
-    /// Returns the decoder's answer.
     pub(super) fn answer(&self, request: &DraftRequest) -> Answer {
         let texels = (request.case.recipe()).map(|recipe| recipe.size.texels());
         let message = Request {

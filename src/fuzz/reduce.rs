@@ -162,7 +162,6 @@ impl WriterInput {
         Some(parts)
     }
 
-    /// Encodes the residuals of a plane.
     fn encode(&self, residual: &[u8]) -> Vec<u8> {
         let (size, plan) = (self.recipe.size, &self.recipe.compression);
         (plan.coding).encode(residual, (size.width, size.height), plan.parameter)

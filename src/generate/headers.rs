@@ -8,7 +8,6 @@ const JFIF: u8 = 0xe0;
 const COMPONENT_OF_FRAME: usize = 6;
 const COMPONENT_OF_SCAN: usize = 1;
 
-/// Rewrites the headers of a stream according to `style`.
 pub(super) fn rewrite_headers(stream: &[u8], style: &Stream) -> Vec<u8> {
     let (mut segments, data) = split_segments(stream).expect("the encoders write valid streams");
     if !style.jfif {

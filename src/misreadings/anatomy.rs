@@ -49,7 +49,6 @@ impl<'a> Anatomy<'a> {
         }
     }
 
-    /// Returns the fields of the header.
     fn tokens(&self) -> impl Iterator<Item = &Field> {
         self.fields.iter().take_while(|field| {
             !matches!(
@@ -100,7 +99,6 @@ impl<'a> Anatomy<'a> {
         &self.file[self.payload_offset()..]
     }
 
-    /// Returns the file with a different payload.
     pub(super) fn with_payload(&self, payload: &[u8]) -> EditedFile {
         EditedFile::File([self.header(), payload].concat())
     }

@@ -104,7 +104,6 @@ pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     edits.flatten().collect()
 }
 
-/// Returns the edits of decoded planes.
 pub(crate) fn plane_edits(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
     misreadings
         .iter()

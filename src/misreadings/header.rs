@@ -174,7 +174,6 @@ pub(super) const STEPS: Steps = |slug| {
     Some(Hook::Bytes(edit))
 };
 
-/// Returns true if the header contains these two bytes.
 fn header_contains(file: &Anatomy, bytes: &[u8]) -> bool {
     file.header().windows(2).any(|pair| pair == bytes)
 }

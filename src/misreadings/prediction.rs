@@ -103,7 +103,6 @@ pub(super) const STEPS: Steps = |slug| {
     })
 };
 
-/// Returns the lists with changed references.
 fn with_references(lists: &RawLists, change: impl Fn(i64) -> i64) -> RawLists {
     let mut lists = lists.clone();
     for reference in &mut lists.references {

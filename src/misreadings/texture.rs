@@ -727,12 +727,10 @@ fn entry_with(change: fn(&mut Entry)) -> Entry {
     with_change(Entry::default(), change)
 }
 
-/// Returns `shade` with a different color.
 fn with_color(shade: Shade, color: Color) -> Shade {
     Shade { color, ..shade }
 }
 
-/// Returns `shade` with a different alpha.
 fn with_alpha(shade: Shade, alpha: f64) -> Shade {
     Shade { alpha, ..shade }
 }

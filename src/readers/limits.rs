@@ -98,7 +98,6 @@ impl Limit {
 }
 
 impl<'de> Deserialize<'de> for Limit {
-    /// Deserializes the limit from its slug.
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Limit, D::Error> {
         let slug = String::deserialize(deserializer)?;
         let known = LIMITS.iter().find(|limit| limit.slug == slug);

@@ -153,7 +153,6 @@ impl<C: TestCase> Page<'_, C> {
         writeln!(out)
     }
 
-    /// Writes the unexplained failures.
     fn write_unexplained(&self, max_failures: usize, out: &mut String) -> fmt::Result {
         let mut unexplained = self.failing.clone();
         unexplained.retain(|case| self.report.cause_of(case).is_none());

@@ -198,7 +198,6 @@ impl Template {
     }
 }
 
-/// Splits a word into pieces.
 fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<TemplatePiece>, String> {
     let mut pieces = Vec::new();
     let mut text = String::new();

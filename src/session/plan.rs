@@ -79,7 +79,6 @@ impl RunPlan {
         allows(&self.views) && allows(&self.declared_views)
     }
 
-    /// Returns true if case `i` is requested.
     pub(super) fn is_requested(&self, i: usize) -> bool {
         self.withheld.get(i).is_none_or(Option::is_none)
     }

@@ -157,7 +157,6 @@ fn fields(context: PageContext, inspection: &Inspection) -> Markup {
     }
 }
 
-/// Truncates a long value.
 fn truncate(value: &str) -> String {
     const MAX_CHARS: usize = 96;
     match value.char_indices().nth(MAX_CHARS) {

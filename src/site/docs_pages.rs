@@ -61,7 +61,6 @@ pub(super) fn headings() -> impl Iterator<Item = (String, String, &'static str)>
     })
 }
 
-/// Returns the short name of a document.
 fn short_name(file: &str) -> &str {
     file.trim_end_matches(".md").trim_start_matches("docs/")
 }

@@ -75,7 +75,6 @@ impl WorkedExample {
         Ok(Decoding::Values(names.collect(), texels.map(row).collect()))
     }
 
-    /// Returns the requested view.
     fn requested_view(&self) -> &str {
         self.view.as_deref().unwrap_or("raw")
     }

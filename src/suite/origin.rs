@@ -70,7 +70,6 @@ impl Map<'_> {
         Some(named.nth(index)?.range.clone())
     }
 
-    /// Returns the bytes of block `index`.
     fn block(&self, index: usize, block: &Block, channels: Range<usize>) -> Option<Vec<Origin>> {
         let first = self.texel * block.channels + channels.start - block.channel;
         let start = self.range("the texels", index)?.start + first;

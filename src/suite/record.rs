@@ -102,7 +102,6 @@ impl CaseRecord {
         Ok(Source::Recipe(recipe, Some(damage)))
     }
 
-    /// Returns the views that can decide the case.
     fn views(&self, vars: &Words, src: &Source, twin: Option<&Case>) -> Result<Vec<View>, String> {
         let views = match (&self.views, src, &self.values, twin) {
             (Some(views), ..) => {

@@ -55,7 +55,6 @@ impl<'a> Words<'a> {
     }
 }
 
-/// Deserializes a word.
 pub(super) fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
     let read: Result<T, value::Error> = T::deserialize(text.into_deserializer());
     read.map_err(|error| error.to_string())

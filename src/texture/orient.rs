@@ -49,7 +49,6 @@ pub fn interpolate(
     }
 }
 
-/// Interpolates linearly on the screen.
 pub(crate) fn interpolate_linearly(ts: &[Vector], b: &[f64], _w: &[f64]) -> Vector {
     [0, 1, 2].map(|c| ts.iter().zip(b).map(|(t, b)| b * t[c]).sum())
 }

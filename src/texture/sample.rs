@@ -59,7 +59,6 @@ pub(crate) fn method(entry: &Entry, magnify: bool) -> SampleMethod {
     }
 }
 
-/// Returns the closest texel of a level.
 fn closest_texel(
     entry: &Entry,
     map: &TextureMap,

@@ -68,7 +68,6 @@ pub(in crate::diagnose) fn describe_observation(
     })
 }
 
-/// Returns the clause that a malformed file violates.
 fn violated_clause<'w>(witness: &'w Witness<'_>) -> &'w str {
     let first_clause = || witness.case.clauses.first().map_or("", String::as_str);
     (witness.case.damage()).map_or_else(first_clause, |damage| &damage.clause)

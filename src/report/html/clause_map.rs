@@ -68,7 +68,6 @@ pub(super) fn tallies(report: &Report) -> BTreeMap<&str, ClauseTally> {
     ClauseTally::count(cases.map(|case| (&case.clauses, case.outcome)))
 }
 
-/// Groups clauses by section, in order.
 pub(super) fn group_by_section(clauses: &[Clause]) -> impl Iterator<Item = (&str, &[Clause])> {
     let sections = clauses.chunk_by(|a, b| section_of(&a.id) == section_of(&b.id));
     sections.map(|clauses| (section_of(&clauses[0].id), clauses))

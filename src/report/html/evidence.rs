@@ -55,7 +55,6 @@ pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
     }
 }
 
-/// Renders the evidence for a texture question.
 pub(crate) fn question_evidence(case: &TextureCase, observed: &Observation<TextureCase>) -> Markup {
     let received = match &observed.response {
         Response::Image { frame, .. } => frame.as_ref().unwrap_or(&case.expect).to_string(),

@@ -66,7 +66,6 @@ pub(super) fn figure(expected: &Expected, frame: &Frame, position: Position) -> 
 }
 
 impl ImageComparison<'_> {
-    /// Renders the images in color.
     fn color_images(&self) -> Markup {
         let row = |y| self.columns.clone().map(move |x| (x, y));
         let positions = || self.rows.clone().flat_map(row);
@@ -143,7 +142,6 @@ impl ImageComparison<'_> {
         html! { p.heat { "difference " (least) " " i {} " " (most) "; blank: within the tolerance" } }
     }
 
-    /// Returns the sample indices of a plane.
     fn plane_indices(&self, channel: usize) -> impl Iterator<Item = usize> {
         (channel..self.received.len()).step_by(self.expected.channels)
     }
@@ -165,7 +163,6 @@ impl ImageComparison<'_> {
             })
     }
 
-    /// Returns the index of a sample in a frame.
     fn sample_index(&self, x: usize, y: usize, channel: usize) -> usize {
         (y * self.expected.size.width as usize + x) * self.expected.channels + channel
     }

@@ -250,7 +250,6 @@ pub(super) fn request_unknown_view(calls: &Calls, sample: &Sample, list: &mut Ch
     list.add_fault(&"an unknown view", fault, sample.repeat(&UNKNOWN_VIEW));
 }
 
-/// Requests the capabilities of the decoder.
 pub(super) fn request_capabilities(calls: &Calls, list: &mut Checklist) {
     let reply = calls.call_with_word("capabilities", &[], b"");
     let text = String::from_utf8_lossy(&reply.stdout);

@@ -66,7 +66,6 @@ impl Sample {
         Expected::new(&self.values, view).expect("a painted map supports every view")
     }
 
-    /// Returns true if a frame has the size of the map.
     pub(super) fn has_size(&self, frame: &Frame) -> bool {
         (frame.width, frame.height) == (self.size.width, self.size.height)
     }

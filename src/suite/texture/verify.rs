@@ -74,7 +74,6 @@ fn compare(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, 
     }
 }
 
-/// Formats the fields of `answer` that `expect` names.
 fn format_checked_fields(expect: &Value, answer: &Value) -> String {
     let field = |(name, _): (&String, _)| Some(format!("{name}: {}", answer.get(name)?));
     let fields = expect.as_object().into_iter().flatten();

@@ -23,7 +23,6 @@ pub(super) fn diagnose(findings: &mut Findings) {
     }
 }
 
-/// Checks the scale and the bias of coefficient `i`.
 fn check_scale_and_bias(findings: &mut Findings, i: usize) {
     let dissection = findings.dissection;
     let number = |role| dissection.text(role)?.parse::<f64>().ok();

@@ -98,7 +98,6 @@ impl SetPlan {
         new_map(format, size, scale_bias, None, samples)
     }
 
-    /// Returns the vector to light `k`.
     fn light(&self, k: usize) -> [f64; 3] {
         // Multiples of the golden angle never coincide, and the heights are distributed evenly.
         const GOLDEN_ANGLE: f64 = 2.399_963;
