@@ -78,11 +78,12 @@ pub struct RawLists {
 pub struct Number {
     /// Value of the number.
     pub value: i64,
-    /// Offset of the first digit or sign in the file.
+    /// Offset in the file of the number's first character, which is a digit or a sign.
     pub at: usize,
 }
 
-/// A decoding plan. In the reference's plans, references exist and are decoded first, and sizes are nonnegative.
+/// A decoding plan. In the plans of the reference decoder, every reference plane exists and is decoded before the planes that are
+/// predicted from it, and sizes are nonnegative.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// Compression parameter.
@@ -147,5 +148,5 @@ pub struct PlaneStream<'a> {
     pub size: Size,
 }
 
-/// A record of side information: a position in the stored plane, and the value of that texel.
+/// A record of side information: a position in the stored plane, and the value of the texel at that position.
 pub type Record = (u32, u8);

@@ -40,7 +40,7 @@ pub enum Format {
 }
 
 impl Format {
-    /// All nine formats, in the order of the text.
+    /// All nine formats, in the order of the specification.
     pub const ALL: [Format; 9] = [
         Format::Rgb,
         Format::Lum,
@@ -177,7 +177,7 @@ impl fmt::Display for Format {
 impl FromStr for Format {
     type Err = String;
 
-    /// Parses a name of §2.2, with or without its prefix.
+    /// Parses a format name from §2.2, with or without the prefix `PTM_FORMAT_`.
     fn from_str(name: &str) -> Result<Format, String> {
         Format::ALL
             .into_iter()
@@ -217,7 +217,7 @@ impl fmt::Display for Size {
 impl FromStr for Size {
     type Err = String;
 
-    /// Parses `WIDTHxHEIGHT`. Both must be at least 1.
+    /// Parses `WIDTHxHEIGHT`. Both numbers must be at least 1.
     fn from_str(text: &str) -> Result<Size, String> {
         let syntax_error = || format!("expected a size such as 8x5, found {text:?}");
         let (width, height) = text.split_once('x').ok_or_else(syntax_error)?;
@@ -300,7 +300,7 @@ impl Shape<()> {
     }
 }
 
-/// Returns the name of a channel in a texel with `channels` channels: `a3 of green`, `a0`, `R`, `Cb`.
+/// Returns the name of a channel in a texel with `channels` channels, such as `a3 of green`, `a0`, `R` or `Cb`.
 #[must_use]
 pub fn channel_name(channels: usize, channel: usize) -> String {
     match (channels, channel) {
@@ -357,7 +357,7 @@ impl Default for Limits {
 }
 
 impl Limits {
-    /// Checks that `needed` bytes are within the limit. `at` is the offset of the declaration, for errors.
+    /// Checks that `needed` bytes are within the limit. `at` is the offset in the file that an error reports.
     pub(crate) fn check(&self, needed: u64, at: usize) -> error::Result<()> {
         if needed > self.memory as u64 {
             let limit = self.memory;

@@ -1,8 +1,8 @@
-//! The decisions that the text leaves to a decoder.
+//! The decisions that the specification leaves to a decoder.
 //!
 //! A [`Reading`] has one function for each decision. In [`Reading::SPEC`], the reading of the reference, each decision is the
 //! function in [`mod@crate::decode`] or [`crate::evaluate`] that implements and explains the clause. The decoder calls only these
-//! functions. [`Reading::with_alternative`] replaces functions for other readings of an open question.
+//! functions. [`Reading::with_alternative`] replaces functions in order to implement another reading of an open question.
 
 use std::borrow::Cow;
 
@@ -21,7 +21,7 @@ pub(crate) type Reconstruct = fn(&Coded, residuals: Vec<Vec<u8>>, &Reading) -> R
 pub(crate) type SideInformation = for<'a> fn(&Coded<'a>, plane: usize) -> &'a [u8];
 pub(crate) type ReadRecords = fn(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>>;
 
-/// A way to interpret files: one function for each decision, in the order of the text.
+/// A way to interpret files: one function for each decision, in the order of the specification.
 #[derive(Clone, Copy)]
 #[allow(missing_docs)] // each field is documented at its function in SPEC
 pub struct Reading {

@@ -9,7 +9,7 @@ use serde::Deserialize;
 use super::misreading::Misreading;
 use crate::kit::yaml;
 
-/// A mistake of a writer, corresponding to a misreading.
+/// A writer's mistake that corresponds to a misreading.
 pub type WriterMistake = Misreading<&'static Misreading>;
 
 /// A record in `mistakes.yaml`.
@@ -45,7 +45,7 @@ fn read(yaml: &str) -> Result<Vec<WriterMistake>, String> {
     records.map(join).collect()
 }
 
-/// Returns all mistakes of writers, in the order of sections.
+/// Returns all writing mistakes, in section order.
 pub fn all() -> impl Iterator<Item = &'static WriterMistake> {
     ALL.iter()
 }

@@ -24,7 +24,7 @@ pub fn read(bytes: &[u8], view: &View, max_bytes: usize) -> Result<Frame, String
     }
 }
 
-/// Recognizes an unsupported file format by its first bytes, and returns the name of the format.
+/// Recognizes an unsupported file format by the first bytes of the file, and returns the name of the format.
 fn unsupported_form(bytes: &[u8]) -> Option<&'static str> {
     let forms: [(&[u8], &str); 2] = [(b"GIF8", "a GIF image"), (b"PTM_1.", "the PTM file itself")];
     forms

@@ -151,7 +151,8 @@ impl View {
         self.kind().name()
     }
 
-    /// Returns the values of all samples of `ptm` in this view under a reading with edited formulas. Colors are not rounded.
+    /// Returns the values of all samples of `ptm` in this view, computed under `reading` with some formulas edited. Colors are
+    /// not rounded.
     pub(crate) fn values(&self, ptm: &Ptm, reading: &Reading, edits: Edits) -> Vec<f64> {
         let ptm = &*formula::stored_values(ptm, edits);
         let finals = || formula::final_values(ptm, reading, edits);
@@ -211,7 +212,7 @@ const MAX_LINE_LENGTH: usize = 200;
 /// The output of a decoder for one view of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
-    /// View of the samples.
+    /// Kind of view that the samples represent.
     pub view: ViewKind,
     /// Number of texels in a row.
     pub width: u32,
@@ -515,7 +516,7 @@ pub enum Answer<T = Frame> {
     NotAsked(String),
 }
 
-/// The end of a process that crashed. Its text is part of the format of reports.
+/// The way in which a crashed process ended. Its text form is part of the report format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProcessEnd {
     /// Exit status.
@@ -525,7 +526,7 @@ pub enum ProcessEnd {
 }
 
 impl ProcessEnd {
-    /// Reads the details of [`Answer::Crashed`]. Returns `None` if they do not describe the end of one process.
+    /// Parses the details of [`Answer::Crashed`]. Returns `None` if they do not describe how a single process ended.
     #[must_use]
     pub fn parse(details: &str) -> Option<ProcessEnd> {
         let (words, number) = details.rsplit_once(' ')?;
@@ -586,7 +587,7 @@ impl<T> Answer<T> {
         }
     }
 
-    /// Returns the name of the answer, followed by the details of a violation.
+    /// Returns the name of the answer. If the answer is a violation, the details follow.
     #[must_use]
     pub fn describe(&self) -> String {
         match self.violation() {

@@ -1,9 +1,9 @@
-//! Images: PNG, Netpbm, TIFF, BMP, WebP and JPEG, 8-bit gray or color; their samples are used unchanged.
+//! Reads PNG, Netpbm, TIFF, BMP, WebP and JPEG images in 8-bit gray or color. The samples are used unchanged.
 //!
 //! The `image` crate decodes the files. There is no color management: gamma, profiles and chromaticities are ignored, because the
 //! samples are the output of the decoder. Gray is expanded to three equal channels. Alpha is dropped if it is opaque.
 //!
-//! JPEG compression is lossy, so the frame is marked as lossy. A JPEG must have small quantization steps and no chroma
+//! JPEG compression is lossy, so a frame from a JPEG is marked as lossy. A JPEG must have small quantization steps and no chroma
 //! subsampling, so that each sample is close to the one that was saved. A coarser JPEG or a lossy WebP does not determine
 //! individual texels.
 
@@ -159,7 +159,8 @@ fn largest_step(mut tables: &[u8]) -> u16 {
     largest
 }
 
-/// Rejects bytes after the image, whose samples end at `end`. The `image` crate checks formats that declare a length.
+/// Rejects an image that lacks its end marker or is followed by other bytes. `end` is the position after the samples, where a
+/// Netpbm file ends. The `image` crate checks the formats that declare a length.
 fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String> {
     const IEND: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
     let end = match format {

@@ -6,7 +6,7 @@ use crate::reading::Reading;
 
 /// Lights under which images are compared: one vertical and two oblique.
 const LIGHTS: [(f64, f64); 3] = [(0.0, 0.0), (0.3125, -0.4375), (-0.625, 0.5)];
-/// Tolerance for the rounding of colors, the same as for decoders.
+/// Tolerance for the rounding of colors. The same tolerance applies to decoders.
 const ROUNDING_TOLERANCE: f64 = 1.0 + 1.0 / 64.0;
 /// Largest color difference that is invisible.
 const MAX_INVISIBLE_DIFFERENCE: u8 = 2;
@@ -151,7 +151,7 @@ fn swapped_channels(truth: &[u8], other: &[u8]) -> Option<String> {
     found.map(|(_, fault)| fault.to_owned())
 }
 
-/// Describes other visible faults: the affected part of the image, its brightness, and noise.
+/// Describes any other visible fault, such as noise or wrong brightness, and the affected share of the image.
 fn visible_properties(truth: &[u8], other: &[u8]) -> String {
     // Sums of the correct brightness, the reader's brightness, their squares and their product.
     let mut moments = [0.0; 5];

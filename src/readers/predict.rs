@@ -55,7 +55,7 @@ pub struct ReaderPrediction {
     pub fix: Option<String>,
 }
 
-/// A file and its correct contents.
+/// A file, and the result of decoding it correctly.
 pub struct OpenedFile<'a> {
     file: &'a [u8],
     traits: FileTraits<'a>,

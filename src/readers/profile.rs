@@ -93,7 +93,7 @@ impl ReaderProfile {
         self.formats.iter().any(|name| name == format.short_name())
     }
 
-    /// Returns the misreadings in the order in which they affect a file.
+    /// Returns the catalog entries of the reader's misreadings, in the order of the profile.
     pub(super) fn active_misreadings(&self) -> Vec<&'static Misreading> {
         let slugs = self.misreadings.iter().map(|known| &known.slug);
         slugs.filter_map(|slug| misreadings::find(slug)).collect()

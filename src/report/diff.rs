@@ -174,7 +174,8 @@ fn write_change(out: &mut String, (old, new): &ChangedCase) -> fmt::Result {
     write_lines(out, "    ", "", &details(old), &details(new))
 }
 
-/// Describes each cause in one or two lines, with the cases that it explains (only their number unless `in_full`).
+/// Describes each cause in one or two lines. Lists the cases that the cause explains if `in_full` is true, or else gives only
+/// their number.
 fn describe_causes(report: &Report, in_full: bool) -> String {
     let words = |cause: &LikelyCause| {
         let (clause, effect, fix) = (&cause.clause, &cause.effect, &cause.fix);

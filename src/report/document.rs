@@ -79,7 +79,7 @@ pub struct DecoderInfo {
     pub mode: String,
     /// Views that the decoder supports.
     pub views: Vec<String>,
-    /// Features that the decoder decodes.
+    /// Features with at least one file that the decoder decodes.
     pub decodes: Vec<String>,
     /// Features for which the decoder always exits with status 69.
     pub unsupported: Vec<String>,
@@ -148,7 +148,7 @@ pub struct CaseResult {
     /// Explanation of the outcome; empty if none is needed.
     #[serde(rename = "says", default, skip_serializing_if = "String::is_empty")]
     pub message: String,
-    /// True if the file was refused with the exit status of `--reject-exit`, which may also mean a crash.
+    /// True if the file was refused with the exit status given with `--reject-exit`. That status may also mean a crash.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub weak: bool,
     /// Beginning of the decoder's standard error, if the case failed.
@@ -184,7 +184,7 @@ impl Report {
     /// Removes the passing cases and adds a digest of all results.
     ///
     /// # Errors
-    /// Returns an error if serialization fails, which no report should cause.
+    /// Returns an error if serialization fails, which should never happen.
     pub fn without_passing_cases(mut self) -> Result<Report, String> {
         self.results_digest = Some(sha256(to_yaml(&self.cases)?.as_bytes()));
         self.cases.retain(|case| case.outcome != Outcome::Pass);

@@ -14,7 +14,8 @@ const MAX_ANNOTATIONS: usize = 10;
 /// Maximum number of failures in the summary. GitHub limits a summary to one mebibyte.
 const MAX_LISTED_FAILURES: usize = 100;
 
-/// Returns workflow commands, one per line: errors for problems with the whole run, likely mistakes and unexplained failures.
+/// Returns workflow commands, one per line: an error for each problem with the whole run, each likely mistake and each
+/// unexplained failure, up to `MAX_ANNOTATIONS`.
 #[must_use]
 pub fn annotations(report: &Report) -> String {
     let errors = errors(report);
@@ -194,7 +195,7 @@ fn escape_markdown(text: impl AsRef<str>) -> String {
     escape_with(text.as_ref(), |c| format!("\\{c}"))
 }
 
-/// Formats `text` as inline code; any characters are allowed.
+/// Formats `text` as inline code. The text may contain any characters.
 fn inline_code(text: &str) -> String {
     let escaped = escape_with(text, |c| match c {
         '#' | '!' => c.to_string(),
@@ -203,7 +204,7 @@ fn inline_code(text: &str) -> String {
     format!("<code>{escaped}</code>")
 }
 
-/// Escapes HTML and replaces line breaks with spaces. Markdown characters are escaped with `markdown`.
+/// Escapes HTML and replaces line breaks with spaces. Calls `markdown` to escape each Markdown character.
 fn escape_with(text: &str, markdown: impl Fn(char) -> String) -> String {
     let escape = |c: char| match c {
         '<' => "&lt;".to_owned(),

@@ -124,7 +124,7 @@ fn followed_readings<C: Reportable>(suite: &Suite<C>, run: &Run<C>) -> Vec<Follo
     readings
 }
 
-/// Returns everything for which the decoder always exits with status 69: features, and single views of one kind of case.
+/// Returns everything for which the decoder always exits with status 69: features, and views of individual kinds of cases.
 fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
     let features = run.judgment.unsupported.iter();
     let mut names: Vec<String> = features.map(ToString::to_string).collect();

@@ -32,8 +32,8 @@ impl<C: Reportable> RecordedAnswers<C> {
     /// Reads the answer files next to the given reports.
     ///
     /// # Errors
-    /// Returns a message if a file is damaged or from another run, suite or version, or if a part is missing, repeated or
-    /// incomplete.
+    /// Returns a message if a file is damaged, if a file comes from a different run, suite or version, or if a part is
+    /// missing, repeated or incomplete.
     pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<RecordedAnswers<C>, String> {
         let mut known = HashMap::new();
         let mut ends: Vec<(&Path, Trailer)> = Vec::new();

@@ -38,7 +38,8 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Returns true if this part contains the case `id`. New cases do not move existing ones, because only the id matters.
+    /// Returns true if this part contains the case `id`. Adding cases does not move existing cases to other parts, because the
+    /// part depends only on the id.
     #[must_use]
     pub fn contains_case(self, id: &str) -> bool {
         let digest = Sha256::digest(id.as_bytes());
@@ -207,7 +208,7 @@ impl<C: TestCase> AnswerRecorder<C> {
         }
     }
 
-    /// Drops the image of the answer that was just recorded, if it equals the expected image.
+    /// Writes the answer that belongs to `observation`, without its image if the image equals the expected one.
     pub fn record_observation(&self, case: &C, observation: &Observation<C>) {
         let expected = matches!(
             observation.response,

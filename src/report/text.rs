@@ -247,7 +247,7 @@ impl<C: TestCase> Page<'_, C> {
         write_list(out, "dialect", items)
     }
 
-    /// Counts the reasons why cases were inconclusive or not judged.
+    /// Counts the cases that were inconclusive or not judged, by outcome and reason.
     fn count_open_cases(&self) -> BTreeMap<(Outcome, &str), usize> {
         let mut reasons = BTreeMap::new();
         let twins = match self.failing.is_empty() {

@@ -63,7 +63,7 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
     details
 }
 
-/// Name shown in reports for a decoder that is a function of the process that started ptm-conform.
+/// Name shown in reports if the decoder is a function in the process that started ptm-conform.
 pub const CALLER_COMMAND: &str = "a function of the caller";
 
 /// Returns lines that explain how the program under test is called.

@@ -7,7 +7,7 @@
 //!
 //! WORD is `ok` before an answer (a frame, an array or an image), and `reject`, `unsupported`, `crash` or `error` before a
 //! message. `error` means that the answer has a type other than the requested one. There is no timeout, because a function cannot
-//! be ended without ending its process. The caller can exit at any time.
+//! be stopped without ending its process. The caller can exit at any time.
 
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::os::unix::net::UnixStream;
@@ -121,7 +121,8 @@ mod tests {
     use super::*;
     use crate::protocol::frame::Samples;
 
-    /// Returns the reply to a request for one texel that the caller answers with `answer`, and true if the run was stopped.
+    /// Sends a request for a map of one texel, which the caller answers with `answer`. Returns the reply and whether the run was
+    /// stopped.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {
         let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
         theirs.write_all(answer).expect("the answer fits");

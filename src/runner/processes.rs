@@ -21,7 +21,8 @@ const MAX_FILE_BYTES: u64 = 4 << 30;
 /// Processes that this process started and has not reaped yet. All other children are orphans.
 static STARTED_PROCESSES: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
-/// Read-locked while a process is started and added to [`STARTED_PROCESSES`]. While it is write-locked, the list is complete.
+/// A lock that is held for reading while a process is started and added to [`STARTED_PROCESSES`]. While the lock is held for
+/// writing, the list is complete.
 static START_LOCK: RwLock<()> = RwLock::new(());
 
 /// Returns true if the system allows measuring memory and finding orphans.
@@ -101,8 +102,8 @@ pub fn memory_of_call(root: Pid, work_dir: &Path) -> u64 {
     pages * page
 }
 
-/// Kills all orphans of the call in `work_dir`. Reaps all orphans that have ended, so that they do not count against the process
-/// limit.
+/// Kills all orphans of the call that runs in `work_dir`. Reaps all orphans that have ended, so that they do not count against
+/// the process limit.
 pub fn kill_orphans(work_dir: &Path) {
     kill_until_none(|| orphans(|pid| belongs_to(pid, work_dir)));
     for pid in orphans(has_ended).into_iter().filter_map(to_pid) {
@@ -173,7 +174,7 @@ fn state_and_start(pid: u32) -> Option<(char, u64)> {
     ))
 }
 
-/// A snapshot of processes, for a watchdog that ends them if their parent disappears.
+/// A snapshot of the children of a process, for a watchdog that kills the children if that process disappears.
 #[derive(Default)]
 pub struct Children(Vec<(u32, u64)>);
 

@@ -41,7 +41,7 @@ pub struct Decoder {
     pub timeout: Duration,
     /// Memory limit in bytes, summed over all processes of a call.
     pub memory: u64,
-    /// Flag that stops the run. It is set by the user or because of trouble.
+    /// Flag that stops the run. It is set when the user stops the run or when trouble persists.
     pub stop: Arc<AtomicBool>,
     /// An exit status other than 65 that also means a refusal.
     pub reject_exit: Option<i32>,
@@ -61,7 +61,7 @@ pub struct Request<'a, V = View> {
     pub file: &'a [u8],
     /// Maximum size of a frame of the file, in bytes.
     pub max_frame_bytes: usize,
-    /// Factor by which the timeout is multiplied. The first call may need time to warm up.
+    /// Factor by which the timeout is multiplied. The first call gets more time, because the decoder may have to warm up.
     pub timeout_factor: u32,
     /// True to use a new process, even in serve mode.
     pub needs_new_process: bool,
@@ -258,7 +258,7 @@ impl Decoder {
         result.into_reply(|bytes| forms::read(bytes, request.view, max_bytes))
     }
 
-    /// Runs the decoder once, with a file of this name and at most `max_bytes` bytes of output.
+    /// Runs the decoder in a new process. The input file is called `file_name`, and the output is limited to `max_bytes` bytes.
     #[must_use]
     pub(crate) fn invoke<V: fmt::Display>(
         &self,

@@ -1,8 +1,8 @@
 //! Temporary directories for inputs and decoders. A run removes its directories when it ends.
 //!
-//! Unless `TMPDIR` is set, inputs are written to an in-memory file system, if there is one with enough space: this avoids waiting
-//! for a disk. Decoders have their working directory and `TMPDIR` in the usual directory for temporary files, because an
-//! in-memory file system may forbid execution.
+//! If `TMPDIR` is not set, and there is an in-memory file system with enough space, inputs are written to it to avoid waiting for
+//! a disk. Decoders have their working directory and `TMPDIR` in the usual directory for temporary files, because an in-memory
+//! file system may forbid execution.
 
 use std::fs;
 use std::io::{self, Read, Write};
@@ -30,7 +30,7 @@ pub struct Scratch {
     roots: Vec<TempDir>,
     /// Index of the root for working directories.
     work_root: usize,
-    /// Unused working directories that were left unchanged.
+    /// Working directories that can be reused, because the previous process left them empty.
     free: Mutex<Vec<PathBuf>>,
     next: AtomicU64,
 }
@@ -235,7 +235,7 @@ pub(crate) fn is_unchanged(path: &Path, bytes: &[u8]) -> Result<bool, Trouble> {
             .is_ok_and(|_| read == bytes))
 }
 
-/// Returns true if this is still an empty directory to which its owner has full access.
+/// Returns true if `directory` is still an empty directory to which its owner has full access.
 fn is_unchanged_directory(directory: &Path) -> bool {
     let ours = |file: fs::Metadata| file.is_dir() && file.permissions().mode() & 0o700 == 0o700;
     fs::symlink_metadata(directory).is_ok_and(ours)

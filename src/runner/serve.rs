@@ -87,7 +87,7 @@ impl<'a> Servers<'a> {
         }
     }
 
-    /// Sends a request to the process of `job`. Uses a new process if the request demands it, or if serve mode is disabled.
+    /// Sends a request to the process of `job`. Uses a new process if the request needs one or serve mode is disabled.
     #[must_use]
     pub fn ask(&self, request: &Request, job: usize) -> Reply {
         if request.needs_new_process || self.is_serve_mode_disabled() {

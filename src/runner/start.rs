@@ -1,6 +1,6 @@
 //! Explains why a program does not start, and how to fix the problem.
 //!
-//! The system's message ("no such file or directory") is often misleading: the file exists, but not its interpreter.
+//! The system's message ("no such file or directory") is often misleading: the file exists, but its interpreter does not.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -100,7 +100,8 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     check_beginning(text, &beginning)
 }
 
-/// Returns the message for a command that was not found. The command may consist of several words that were passed as one.
+/// Returns the message and the remedy for a command that was not found. A command with spaces may be several words that were
+/// passed as one.
 fn missing_command(text: &str, message: &str) -> Obstacle {
     let next = if text.contains(' ') {
         format!(
@@ -176,7 +177,7 @@ fn check_beginning(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     })
 }
 
-/// Checks the line after `#!`. `line` may extend past the end of that line.
+/// Checks the rest of a line that begins with `#!`. `line` starts after `#!` and may extend past the end of that line.
 fn check_first_line(text: &str, line: &[u8]) -> Result<(), Obstacle> {
     let end = line.iter().position(|&byte| byte == b'\n');
     let line = &line[..end.unwrap_or(line.len())];
@@ -220,7 +221,7 @@ fn check_elf(text: &str, beginning: &[u8]) -> Result<(), Obstacle> {
     )
 }
 
-/// Returns the name of an ELF machine, and true if this system can execute programs for that machine.
+/// Returns the name of an ELF machine, and whether this system can execute programs for that machine.
 fn machine_name(machine: u16) -> (String, bool) {
     let known = [
         (3, "x86"),

@@ -266,7 +266,8 @@ fn placeholder(text: &str) -> Option<(&str, &str)> {
     is_name.then_some((name, after))
 }
 
-/// Makes a word of a command absolute if it names an existing file. A program name without a directory is looked up only in PATH.
+/// Converts a word of a command to an absolute path if the word names an existing file. A program name without a directory is
+/// looked up only in PATH.
 pub(crate) fn make_absolute(word: &OsStr, is_program: bool) -> Result<OsString, String> {
     let path = Path::new(word);
     let names_file = path.exists() && (!is_program || path.components().count() > 1);

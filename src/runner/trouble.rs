@@ -62,7 +62,7 @@ pub(crate) fn is_shortage(error: &io::Error) -> bool {
     Errno::from_io_error(error).is_some_and(|error| shortages.contains(&error))
 }
 
-/// Returns true if the file system prevented a write: it is full, over quota, read-only or failing. Another one may work.
+/// Returns true if the file system prevented a write: it is full, over quota, read-only or failing. Another file system may work.
 pub(crate) fn is_file_system_error(error: &io::Error) -> bool {
     let errors = [Errno::NOSPC, Errno::DQUOT, Errno::ROFS, Errno::IO];
     Errno::from_io_error(error).is_some_and(|error| errors.contains(&error))

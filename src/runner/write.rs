@@ -14,7 +14,7 @@ use crate::runner::template::Template;
 /// A file that a request refers to.
 #[derive(Clone, Debug)]
 pub struct Attachment {
-    /// Name of the placeholder for the file, which appears in braces in a template and in the text of the request.
+    /// Name of the placeholder for the file. The placeholder appears in braces in a template and in the text of the request.
     pub name: String,
     /// Name of the file.
     pub file_name: String,
@@ -38,7 +38,7 @@ pub struct WriteCall<'a> {
 }
 
 impl Decoder {
-    /// Returns the same program, which is called as `program args… VERB REQUEST OUT` unless it has a template.
+    /// Returns a copy of this decoder that is called as `program args… VERB REQUEST OUT`, or through its template if it has one.
     #[must_use]
     pub fn as_writer(&self, verb: &str) -> Decoder {
         let words = [verb, "{in}", "{out}"].map(OsString::from);
@@ -49,7 +49,7 @@ impl Decoder {
         }
     }
 
-    /// Requests a file. [`CallResult::output`] is the contents of the file.
+    /// Requests a file. [`CallResult::output`] holds the contents of the file, or the failure.
     ///
     /// # Panics
     /// Panics if the program is not called [as a writer](Decoder::as_writer).

@@ -19,9 +19,10 @@ const MAX_REPEATED_PER_KIND: usize = 8;
 const MIN_REPEATED: usize = 24;
 
 impl<C: TestCase> Session<'_, C> {
-    /// Repeats failures and a sample of the other cases. Returns true if a response differed. Similar failures are likely to
-    /// recur, so only a few of each kind, and at most a tenth of the run, are repeated. If any response differs, the rest are
-    /// repeated as well, because a varying response says nothing about the decoder's reading.
+    /// Repeats failures and a sample of the other cases. Returns true if a response differed. If one failure recurs, similar
+    /// failures are likely to recur too, so only a few cases of each kind, and usually at most a tenth of the run, are repeated.
+    /// If any response differs, the rest are repeated as well, because a varying response says nothing about the decoder's
+    /// reading.
     pub(super) fn repeat(
         &self,
         table: TableSpelling,
@@ -60,7 +61,7 @@ impl<C: TestCase> Session<'_, C> {
         differs
     }
 
-    /// Splits `wanted` into a few cases of each kind, spread over the suite, and all others.
+    /// Splits `wanted` into a sample and the rest. The sample contains a few cases of each kind, spread over the suite.
     fn sample_each_kind(
         &self,
         observations: &[Option<Observation<C>>],
@@ -81,8 +82,8 @@ impl<C: TestCase> Session<'_, C> {
         wanted.into_iter().partition(|i| some.contains(i))
     }
 
-    /// Repeats each of these cases in a new process. If the response differs, repeats the case once more, to distinguish a decoder
-    /// with random responses from one whose serve mode differs. Records differences and returns true if there are any.
+    /// Repeats each case in `case_indices` in a new process. If the response differs, repeats the case once more, to distinguish
+    /// a decoder with random responses from one whose serve mode differs. Records differences and returns true if there are any.
     fn repeat_in_new_processes(
         &self,
         table: TableSpelling,

@@ -193,7 +193,7 @@ pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
     })
 }
 
-/// Describes the previous request that the process answered.
+/// Describes the place of a request in its process: after the previous request, or first.
 pub(super) fn previous_request_text(before: Option<&String>) -> String {
     match before {
         Some(case) => format!(", after {case}"),

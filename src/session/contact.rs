@@ -260,7 +260,7 @@ impl<C: TestCase> Session<'_, C> {
         offer
     }
 
-    /// Returns true if the decoder answers one of a few other cases of this kind in this view with anything but 69.
+    /// Requests a few other cases of this kind in this view. Returns true if any response is not exit status 69.
     fn answers_other_case(&self, view: &str, kind: &C::Feature) -> bool {
         let is_other =
             |case: &&C| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind;
@@ -287,8 +287,8 @@ impl<C: TestCase> Session<'_, C> {
         })
     }
 
-    /// Returns the table spelling in which the decoder reads small tables best, if it reads no `spelling` case correctly. Returns
-    /// `None` if the evidence is weak.
+    /// Returns the table spelling in which the decoder reads small tables best, or `None` if the evidence is weak. This is for
+    /// decoders that read no `spelling` case correctly.
     pub(super) fn likely_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
         const PROBES: usize = 4;
         if self.plan.precomputed {

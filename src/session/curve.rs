@@ -150,7 +150,8 @@ fn fit_monotonic_curve(mut points: Vec<(f64, f64)>) -> Option<Candidate> {
     Some(candidate(&says, NO_CURVE, 1, |v| interpolate(&steps, v)))
 }
 
-/// Returns the monotonic steps that best fit `points`, which are sorted by their first coordinate. Averages values that decrease.
+/// Returns the monotonic steps that best fit `points`, which are sorted by their first coordinate. Adjacent points with
+/// decreasing values are averaged.
 fn isotonic_regression(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     // Each step has the sums of both numbers and their count.
     let mut steps: Vec<(f64, f64, f64)> = Vec::new();

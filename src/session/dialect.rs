@@ -15,8 +15,8 @@ pub enum Certainty {
     Settled,
 }
 
-/// Minimum ratio of answers that support an alternative reading to answers that contradict it. A few answers of a faulty decoder
-/// are right under another reading by chance.
+/// Minimum ratio of answers that support an alternative reading to answers that contradict it. By chance, a few answers of a
+/// faulty decoder may be right under another reading.
 const MIN_RIGHT_PER_WRONG: usize = 8;
 
 /// The choices that affect an answer and, for each combination of their readings, a flag that is true if the answer is right.

@@ -1,7 +1,7 @@
 //! Checks the user's files, which have no expected output.
 //!
-//! The decoder is compared with the reference in the best-matching reading of the open questions. It is also compared with
-//! itself: other encodings of the same values must produce the same image.
+//! An image is correct if it matches the reference in any combination of readings of the open questions. The decoder is also
+//! compared with itself: other encodings of the same values must produce the same image.
 
 use std::fmt::Write;
 

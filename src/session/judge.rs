@@ -17,7 +17,7 @@ use crate::suite::test_case::TestCase;
 pub struct Judgment<C: TestCase = Case> {
     /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
     pub cases: Vec<Option<Verdict>>,
-    /// Reading of each open question; the reference's if no case reveals the decoder's.
+    /// Reading of each open question. If no case reveals the decoder's reading, this is the reading of the reference.
     pub dialect: Dialect,
     /// Certainty of each reading.
     pub certainties: Vec<Certainty>,
@@ -163,7 +163,8 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Returns how an image differs from the correct image in the decoder's dialect, or `None` for the reference's dialect.
+    /// Returns the difference between an image and the correct image in the decoder's dialect. Returns `None` if there is no
+    /// difference, or if the decoder has the reference's dialect.
     fn difference_in_own_dialect(&self, frame: Option<&C::Output>) -> Option<C::Difference> {
         if *self.dialect == C::CHOICES.reference() {
             return None;

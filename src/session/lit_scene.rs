@@ -1,5 +1,5 @@
-//! A recognizable map as the decoder displays it: a striped ball, lit from the upper left, with a red corner at the top left and
-//! other colors in the other corners. It is requested for the HTML report and never judged.
+//! A recognizable map as the decoder displays it: a checkered ball, lit from the upper left, with a red corner at the top left
+//! and other colors in the other corners. It is requested for the HTML report and never judged.
 
 use std::collections::BTreeSet;
 
@@ -39,7 +39,8 @@ impl LitScene {
     }
 }
 
-/// Requests the scene in a supported format and view. Returns `None` if there are none or the request fails.
+/// Requests the scene in a supported format and view. Returns `None` if no format or no view is supported, or if the request
+/// fails.
 #[must_use]
 pub fn request(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &DecoderFn) -> Option<LitScene> {
     let mut formats = Format::ALL.to_vec();
@@ -141,7 +142,8 @@ pub fn file(format: Format, count: Count) -> Vec<u8> {
     write(&recipe, &model).bytes
 }
 
-/// Paints four corners and a striped ball with the luminance of a matte surface: the dot product of the normal and the light.
+/// Returns the coefficients of the scene: four colored corners, and a checkered ball whose luminance is that of a matte surface,
+/// based on the dot product of the normal and the light.
 #[must_use]
 pub fn ball(side: u32) -> Coefficients {
     let place = |at: u32| (f64::from(at) + 0.5) / f64::from(side) * 2.2 - 1.1;

@@ -1,6 +1,6 @@
-//! Tests that decoders with a different inverse DCT pass (ruling `jpeg-samples`). The samples of JPEG planes come from two
-//! independent decoders in turn; everything else comes from the reference. Streams that an independent decoder cannot read are
-//! left to the reference and counted.
+//! Tests that decoders with a different inverse DCT pass (ruling `jpeg-samples`). The test runs once with each of two independent
+//! decoders. The samples of JPEG planes come from that decoder, and everything else comes from the reference. Streams that an
+//! independent decoder cannot read are left to the reference and counted.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 

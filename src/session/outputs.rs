@@ -37,7 +37,7 @@ struct ListedRequest {
     sha256: String,
     /// The view: `raw`, `coef` or `rgb:LU,LV`.
     view: String,
-    /// Path of the output, relative to the list. Any suffix may be added.
+    /// Path of the output, relative to the list. A different suffix is also accepted.
     output: String,
 }
 
@@ -60,10 +60,10 @@ impl ListedRequest {
 /// The instructions in the exported directory.
 const READ_ME: &str = include_str!("../../spec-cases/outputs.txt");
 
-/// Writes to `directory` the files that can be requested in `view`, and the list of requests. Returns the number of requests.
+/// Writes the files that can be requested in `view` and the list of requests to `directory`. Returns the number of requests.
 ///
 /// # Errors
-/// Returns an error with the path of a file that cannot be written.
+/// Returns an error that names the file that could not be written.
 pub fn export(
     suite: &Suite,
     view: &str,
@@ -247,7 +247,7 @@ fn answers(
     Ok((given, unmatched))
 }
 
-/// Reads an answer of at most `limit` bytes. Only a regular file is opened.
+/// Reads an answer of at most `limit` bytes. Opens only regular files.
 fn read(path: &Path, limit: usize) -> Result<Vec<u8>, String> {
     let mut bytes = Vec::new();
     let read = fs::symlink_metadata(path).and_then(|about| match about.is_file() {

@@ -73,7 +73,7 @@ pub(crate) fn question_evidence(case: &TextureCase, observed: &Observation<Textu
     }
 }
 
-/// Renders the end of the decoder's standard error.
+/// Renders the recorded standard error of the decoder, or only the end of it if it is long.
 pub(crate) fn standard_error(stderr: &str) -> Markup {
     const MAX_CHARS: usize = 700;
     let skipped = stderr.chars().count().saturating_sub(MAX_CHARS);
@@ -199,7 +199,8 @@ pub(crate) fn number(value: f64) -> String {
     text.trim_end_matches('0').trim_end_matches('.').to_owned()
 }
 
-/// Renders a hex dump around `range` with its bytes highlighted. Only the beginning of a long range is included.
+/// Renders a hex dump of the lines that contain `range`, and highlights the bytes in the range. Only the beginning of a long
+/// range is included.
 fn excerpt(file: &[u8], range: &Range<usize>) -> Markup {
     let first = range.start / 16 * 16;
     let last = (range.end.max(range.start + 1) - 1).min(range.start + 31) / 16 * 16 + 16;

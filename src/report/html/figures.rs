@@ -33,7 +33,8 @@ struct ImageComparison<'a> {
     spans: Vec<(f64, f64)>,
 }
 
-/// Renders the images of a frame that first differs from the expected one at `position`. Returns `None` if the shapes differ.
+/// Renders the images of a frame whose first difference from the expected frame is at `position`. Returns `None` if the shapes
+/// differ.
 pub(super) fn figure(expected: &Expected, frame: &Frame, position: Position) -> Option<Markup> {
     let (width, height, channels) = (frame.width, frame.height, frame.channels as usize);
     let received = frame.samples.to_reals();
@@ -245,7 +246,7 @@ impl ImageComparison<'_> {
         }
     }
 
-    /// Returns the RGBA texels of planes side by side, separated by an empty column.
+    /// Returns the RGBA texels of the planes in `group`, placed side by side with an empty column between neighbors.
     fn strip(&self, row: &str, group: &Range<usize>) -> Vec<u8> {
         let mut pixels = Vec::new();
         for y in self.rows.clone() {

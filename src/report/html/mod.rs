@@ -1,7 +1,7 @@
 //! Reports as web pages. Each page is one self-contained file that needs no network or server.
 //!
-//! Start reading at [`page()`]. All output of a decoder is untrusted. `maud` escapes it, and the content security policy of
-//! the page forbids all requests and all scripts except the page's own script, which is identified by digest.
+//! Begin with [`page()`]. All output of a decoder is untrusted. `maud` escapes it, and the content security policy of the page
+//! forbids all requests and all scripts except the page's own script, which is identified by digest.
 
 mod cases;
 mod clause_map;

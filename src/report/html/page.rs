@@ -11,7 +11,7 @@ use crate::report::reported::Reportable;
 use crate::session::{lit_scene::LitScene, outcome::Outcome, run::Run, scores::Fraction};
 use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
 
-/// Renders the page of a report. Images are included if `run` is available.
+/// Renders the page of a report. Images are included if `run` is `Some`.
 ///
 /// # Errors
 /// Returns an error if the embedded clauses or rulings cannot be read.

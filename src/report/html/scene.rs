@@ -1,4 +1,4 @@
-//! Image of a lit ball at the top of the page, as rendered by the decoder, with a description of visible mistakes.
+//! Image at the top of the page: a lit ball as rendered by the decoder, with a description of the visible mistake.
 
 use maud::{Markup, html};
 
