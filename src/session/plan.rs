@@ -12,7 +12,7 @@ use crate::suite::test_case::TestCase;
 /// The plan of a run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct RunPlan {
-    /// True for cases that are judged, one slot per case of the suite.
+    /// One flag per case of the suite: true if the case is judged.
     pub selected: Vec<bool>,
     /// Number of parallel requests, at least 1.
     #[serde(skip)]
@@ -23,14 +23,15 @@ pub struct RunPlan {
     pub declared_views: Vec<String>,
     /// The names of the kinds of cases that the decoder declares; empty if it declares none.
     pub declared_kinds: Vec<String>,
-    /// The requests to repeat.
+    /// The cases to repeat.
     pub repeat: Repeat,
-    /// True for cases that are requested before the others, one slot per case of the suite; empty if no case has priority.
+    /// One flag per case of the suite: true if the case is requested before the others. Empty if no case has priority.
     #[serde(skip)]
     pub prioritized: Vec<bool>,
     /// The reasons why cases are not requested, one slot per case; `None` for requested cases. Empty if all are requested.
     pub withheld: Vec<Option<String>>,
-    /// True if the answers were produced before the run. There are then no first files, and tables have the default spelling.
+    /// True if the answers were produced before the run. In that case, there are no first files, and tables have the default
+    /// spelling.
     pub precomputed: bool,
     /// Flag that is set when the user ends the run.
     #[serde(skip)]
@@ -83,7 +84,8 @@ impl RunPlan {
         self.withheld.get(i).is_none_or(Option::is_none)
     }
 
-    /// Returns the reasons why cases are not requested in this table spelling, one slot per case of the suite.
+    /// Returns, for each case of the suite, the reason why it is not requested if tables have this spelling, or `None` if it is
+    /// requested.
     pub(super) fn withheld_in<C: TestCase>(
         &self,
         suite: &Suite<C>,

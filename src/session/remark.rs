@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A remark on a run as a whole.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Remark {
-    /// True if the remark makes the decoder fail.
+    /// True if the remark counts as a failure of the decoder.
     pub failure: bool,
     /// The text of the remark, as a sentence.
     #[serde(rename = "says")]
@@ -13,7 +13,7 @@ pub struct Remark {
 }
 
 impl Remark {
-    /// Creates a remark that makes the decoder fail.
+    /// Creates a remark that counts as a failure of the decoder.
     #[must_use]
     pub fn failure(message: String) -> Remark {
         Remark {

@@ -25,7 +25,7 @@ pub struct Run<C: TestCase = Case> {
     pub judgment: Judgment<C>,
     /// The decoder's replies to the first files.
     pub first: Vec<FirstFile<C>>,
-    /// The offer of the decoder.
+    /// The views and the kinds of cases that the decoder offers.
     pub offer: Offer<C>,
     /// The spelling of tables that are sent to the decoder.
     pub table: TableSpelling,
@@ -67,8 +67,9 @@ pub fn check<C: TestCase>(
 }
 
 impl<C: TestCase> Session<'_, C> {
-    /// Returns the indices of the cases to request: the prioritized ones, and the others. Includes selected cases and their twins
-    /// if one of their views is offered. Both lists are empty if nothing can be requested.
+    /// Returns the indices of the cases to request in two lists: the prioritized cases, and the others. The lists contain
+    /// selected cases and their twins, but no case that is withheld or whose views are not offered. Both lists are empty if
+    /// nothing can be requested.
     #[must_use]
     pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
         let (suite, plan) = (self.suite, self.plan);
@@ -297,7 +298,8 @@ impl<C: TestCase> Run<C> {
         self.status(self.judgment.with_outcome(Outcome::Fail).next().is_some())
     }
 
-    /// Returns the exit status of a run in which some failures may be ignored. `failed` is true if any failure counts.
+    /// Returns the exit status of a run in which some failures may be ignored. `failed` is true if the run has a failure that is
+    /// not ignored.
     #[must_use]
     pub fn status(&self, failed: bool) -> u8 {
         if self.not_a_decoder.is_some() {

@@ -1,4 +1,4 @@
-//! Counts during a run, and reasons to end the run.
+//! Counters of a run, and conditions that end the run early.
 
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};

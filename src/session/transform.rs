@@ -1,4 +1,5 @@
-//! Transforms that make nearly all first files wrong in the same way: flipped images, swapped channels, a factor or a tone curve.
+//! Mistakes that change the images of nearly all first files in the same way: flipped images, swapped channels, a factor, or a
+//! tone curve.
 //!
 //! A common transform makes hundreds of cases fail, but it is a single mistake. It is reported once, and undone in every image
 //! before comparison, so that other mistakes become visible. Undoing a transform must correct nearly all wrong images of first
@@ -105,7 +106,7 @@ fn common_transform(view: ViewKind, images: &[FirstImage]) -> Option<CommonTrans
     Some(CommonTransform { effect, ..change })
 }
 
-/// Returns all candidate changes: arrangements, those with the fewest mistakes first, and then curves.
+/// Returns all candidate changes: first the arrangements, in ascending order of the number of mistakes, and then the curves.
 fn candidates(view: ViewKind, images: &[FirstImage]) -> Vec<CommonTransform> {
     let change = |(says, next): ProbeFault, undo: Arc<UndoFn<Frame>>| {
         let view = view.name();

@@ -69,7 +69,7 @@ pub struct WorkedExample {
     pub highlighted: Vec<String>,
     /// View: `raw` (the default), `coef` or `rgb:LU,LV`.
     pub view: Option<String>,
-    /// Column and row, counted from the top left, or `all`. The default is `0 0`.
+    /// Texel whose values are read: its column and row, counted from the top left, or `all` for all texels. The default is `0 0`.
     pub texel: Option<String>,
     /// Channel numbers. The default is all channels.
     pub channels: Option<String>,
@@ -133,7 +133,7 @@ pub const CHAPTERS: &[(&str, &str)] = embedded![
 pub const FILES: &str = include_str!("../../spec-cases/annotated/files.yaml");
 
 impl Annotated {
-    /// Parses chapters, given as pairs of file name and text, and the base files for the examples.
+    /// Parses the base files for the examples, and the chapters, each of which is a pair of a file name and a text.
     ///
     /// # Errors
     /// Returns a message that names the file and the line.

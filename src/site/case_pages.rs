@@ -21,7 +21,7 @@ const MAX_TEXELS: usize = 12;
 /// Maximum number of fields that are listed.
 const MAX_FIELDS: usize = 32;
 
-/// Renders the list of cases, and a page and the file of each case.
+/// Renders the list of cases and a page for each case. Also returns the files that are small enough.
 pub(super) fn pages(context: PageContext, jobs: usize) -> Vec<SiteFile> {
     let cases = &context.library.suite.cases;
     let files = crate::kit::parallel::map_in_parallel(cases.len(), jobs, &|_, _| (), &|i| {

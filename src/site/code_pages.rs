@@ -74,7 +74,7 @@ fn example(context: PageContext, code: &Code, cases: &[&Case]) -> Markup {
     }
 }
 
-/// Lists the readers that the problem affects, based on runs and the catalog.
+/// Lists the readers that are affected by the problem that the code reports, based on runs and the catalog.
 fn affected_readers(context: PageContext, code: &Code, cases: &[&Case]) -> Markup {
     let mut seen: Vec<_> = misreadings::all().collect();
     seen.retain(|m| m.clause == code.clause && !readers_with_mistake(m).is_empty());

@@ -121,7 +121,8 @@ fn anchor(heading: &str) -> String {
     anchor
 }
 
-/// Returns the page of the site to which a link in a document leads, or `None` if its target is not on the site.
+/// Returns the target of a link in a document, as a link on the site. Returns `None` if the target is a file that has no page on
+/// the site.
 fn resolve_link(file: &str, link: &str) -> Option<String> {
     if link.starts_with('#') || link.starts_with("https://") {
         return Some(link.to_owned());

@@ -1,4 +1,4 @@
-//! Page onto which users drop files: it is self-contained and includes the reference decoder as WebAssembly.
+//! Page onto which users drop files. It is self-contained and includes the reference decoder as WebAssembly.
 //!
 //! The page is generated twice: with navigation, for the site, and as a standalone file.
 

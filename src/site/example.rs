@@ -17,11 +17,11 @@ pub struct Execution {
     pub view: String,
     /// Result of decoding.
     pub found: Decoding,
-    /// Results under the other readings of the clause, where they differ from `found`, with a description of each reading.
+    /// Results that differ from `found` under other readings of the clause, each with a description of the reading.
     pub alternatives: Vec<(&'static str, Decoding)>,
 }
 
-/// Result of a decoder for a file.
+/// Result of decoding a file.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Decoding {
     /// Names of the requested channels, and one row per texel: its position and values.

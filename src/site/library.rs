@@ -39,9 +39,9 @@ pub(super) struct Library {
     pub annotated: Annotated,
     pub texts: Texts,
     pub runs: Vec<ReaderRun>,
-    /// Smallest file that reveals each misreading.
+    /// For each misreading, the smallest file that reveals it.
     pub witnesses: HashMap<&'static str, MisreadingWitness>,
-    /// URLs of pages by id, relative to the root of the site.
+    /// For each id, the URL of its page, relative to the root of the site.
     page_urls: HashMap<String, String>,
 }
 

@@ -94,7 +94,7 @@ pub(super) fn sightings(context: PageContext, misreading: &Misreading) -> Markup
     }
 }
 
-/// Renders the correct image next to the image of a decoder with the mistake.
+/// Renders the correct image next to the image that a decoder with the mistake outputs.
 pub(super) fn image_pair(context: PageContext, misreading: &Misreading) -> Markup {
     let Some(witness) = context.library.witnesses.get(misreading.slug) else {
         return html! {};

@@ -1,4 +1,4 @@
-//! Results of public readers from `reports/readers/`, one file per reader.
+//! Results of public readers, loaded from `reports/readers/`, which contains one file per reader.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -38,7 +38,7 @@ pub struct ReaderRun {
     pub suite: String,
     /// Number of cases in the suite.
     pub cases: usize,
-    /// Ids of the cases with each outcome other than `pass`.
+    /// For each outcome other than `pass`, the ids of the cases with that outcome.
     pub outcomes: BTreeMap<String, Vec<String>>,
     /// Outcomes other than `pass`, by case id.
     #[serde(skip)]

@@ -1,6 +1,6 @@
 //! Measurements of the suite: coverage of clauses, kills, separations, pairs of parameters, and redundant cases.
 //!
-//! - A clause is *covered* by its cases, and by those of its misreadings that the suite catches.
+//! - The *coverage* of a clause consists of its cases, and of those of its misreadings that the suite catches.
 //! - A case *kills* a misreading that makes a decoder fail the case, and *separates* two misreadings whose answers differ.
 //! - A case is *redundant* if, without it, every misreading is still killed and every pair is still separated. Such a case may
 //!   exist for its clause, or for a mistake that nobody has made yet.
@@ -39,7 +39,7 @@ pub struct ClauseCoverage {
     pub status: String,
     /// Number of cases that test the clause.
     pub cases: usize,
-    /// Slugs of the killed misreadings of the clause.
+    /// Slugs of the clause's misreadings that the suite kills.
     pub killed: Vec<String>,
 }
 
@@ -288,7 +288,7 @@ fn size_kind(size: Size) -> &'static str {
     }
 }
 
-/// Returns true if no file in which the first parameter has this value can have the second parameter.
+/// Returns true if this value of the first parameter rules out the second parameter.
 fn rules_out((name, value): (&str, &str), other: &str) -> bool {
     let is_of_planes = matches!(other, "prediction" | "side information");
     match (name, value.parse::<Format>()) {

@@ -1,7 +1,8 @@
 //! The smoke subset: a small set of cases that still catches every misreading.
 //!
-//! It is computed greedily: the case that catches the most remaining misreadings is added until none remain. Cases that became
-//! unnecessary are removed. `spec-cases/smoke.yaml` lists the cases, and `ptm-conform coverage --write-smoke` updates it.
+//! It is computed greedily: the case that catches the most remaining misreadings is added until none remain. Then, cases that
+//! have become unnecessary are removed. `spec-cases/smoke.yaml` lists the cases, and `ptm-conform coverage --write-smoke` updates
+//! it.
 
 use std::fmt::Write;
 

@@ -79,7 +79,7 @@ impl SuiteName {
         self.page("misreadings", slug)
     }
 
-    /// Returns the address of an id: a page in `folder`, or an anchor on the page of the folder.
+    /// Returns the address of the description of `id`: a page in `folder`, or an anchor on the texture page that `folder` names.
     fn page(self, folder: &str, id: &str) -> String {
         match self {
             SuiteName::Texture => format!("texture/{folder}.html#{id}"),

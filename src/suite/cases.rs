@@ -165,8 +165,8 @@ impl Case {
         Some(&recipe.compression)
     }
 
-    /// Returns the open choices of 2.9 (rulings of kind *choice*) that affect the stored values of this file. The values do not
-    /// depend on any other choice.
+    /// Returns the open choices of section 2.9 (rulings of kind *choice*) that affect the stored values of this file. The values
+    /// do not depend on any other choice.
     #[must_use]
     pub fn axes(&self) -> Vec<&str> {
         match &self.open_choices {

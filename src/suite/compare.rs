@@ -1,6 +1,6 @@
 //! Compares expected and received samples.
 //!
-//! - raw: equal or, in lossy JPEG planes for which inverse DCTs may differ, within the slack of the model, modulo 256.
+//! - raw: equal. In lossy JPEG planes for which inverse DCTs may differ: within the slack of the model, modulo 256.
 //! - coef: |a − b| ≤ 1e-5 · max(|a|, |b|) + 1e-6 (one rounding and one product in `f32`), plus the slack.
 //! - rgb: within 1 + 1/64 of the exact color (any rounding, and arithmetic in `f32`), plus [`LOSSY_TOLERANCE`] for a JPEG image.
 
@@ -40,7 +40,8 @@ fn reals(bytes: &[u8]) -> Vec<f64> {
 }
 
 impl Expected {
-    /// Returns the expected samples in `view` of a file with these values, or `None` if the values do not determine them.
+    /// Returns the samples that are expected in `view` for a file with these values, or `None` if the values do not determine the
+    /// samples.
     #[must_use]
     pub fn new(values: &Values, view: &View) -> Option<Expected> {
         match values {
@@ -99,7 +100,7 @@ impl Expected {
         }
     }
 
-    /// Returns the frame of a correct decoder, with colors rounded to the nearest byte.
+    /// Returns the frame that a correct decoder outputs, with colors rounded to the nearest byte.
     #[must_use]
     pub fn frame(&self) -> Frame {
         let shape = [self.size.width, self.size.height, self.channels as u32];
@@ -245,7 +246,7 @@ impl fmt::Display for Difference {
     }
 }
 
-/// Minimum magnitude of numbers that are printed with an exponent.
+/// Minimum magnitude at which a large number is printed with an exponent.
 const MIN_WITH_EXPONENT: f64 = 1e16;
 
 /// Formats a number with at most `decimals` decimal places, or with an exponent if it is very small or very large.

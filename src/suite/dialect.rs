@@ -27,14 +27,14 @@ impl<R> Choice<R> {
 /// All open questions of a suite, in the order of its specification.
 pub struct Choices<R: 'static>(pub &'static [Choice<R>]);
 
-/// One reading of every choice, by its index in [`Choice::readings`].
+/// One reading for every choice, stored as its index in [`Choice::readings`].
 #[derive(Clone, Debug, PartialEq, Eq, Default)]
 pub struct Dialect(pub Vec<usize>);
 
 /// The dialects in which an answer is right.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RightDialects {
-    /// In all dialects or in none, because no choice affects the case.
+    /// In all dialects if true, or in none if false, because no choice affects the case.
     InAll(bool),
     /// In some dialects, depending on how they resolve the choices that affect the case.
     In {

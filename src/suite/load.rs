@@ -67,8 +67,8 @@ impl Suite {
 mod tests {
     use super::*;
 
-    /// Invalid cases, each with the beginning of the expected message. `MAKE` stands for the keys of an image, `↵` for a line
-    /// feed.
+    /// Invalid cases, each with the beginning of the expected message. `MAKE` stands for the beginning of a recipe, and `↵`
+    /// stands for a line feed.
     const INVALID_CASES: &str = r#"
   expect: decoded => line 4: unknown variant `decoded`
   expcet: decode => line 4: unknown field `expcet`

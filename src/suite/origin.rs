@@ -64,7 +64,7 @@ struct Map<'a> {
 }
 
 impl Map<'_> {
-    /// Returns the bytes of occurrence `index` of the field called `name`.
+    /// Returns the byte range of the field called `name`. `index` selects one of several fields with that name.
     fn range(&self, name: &str, index: usize) -> Option<Range<usize>> {
         let mut named = self.fields.iter().filter(|field| field.name == name);
         Some(named.nth(index)?.range.clone())

@@ -59,7 +59,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn view_name(_view: &Self::View) -> &'static str {
         Self::VIEWS[0]
     }
-    /// Returns the feature that a decoder may declare: the format, or the requested step.
+    /// Returns the kind of the case, which a decoder may declare: the format, or the requested step.
     fn kind(&self) -> Self::Feature;
     /// Returns the features that a decoder needs for this case in `view`.
     fn features(&self, _view: &Self::View) -> BTreeSet<Self::Feature> {

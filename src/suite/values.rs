@@ -51,7 +51,7 @@ pub struct HandValues {
     pub size: String,
     /// Stored values.
     pub raw: Vec<String>,
-    /// Final values.
+    /// Final coefficients, after scale and bias.
     pub coef: Option<Vec<String>>,
     /// Colors under a light.
     pub rgb: Option<HandImage>,

@@ -30,7 +30,7 @@ pub(crate) fn condition(entry: &Entry, d: usize) -> Boundary {
     entry.boundary[d]
 }
 
-/// Returns true if any direction of the map is explicitly clamped (R-BND-03, R-CLM-02).
+/// Returns true if `t` is outside the map in a direction with an explicit clamp (R-BND-03, R-CLM-02).
 pub(crate) fn is_clamped_in_any_direction(
     entry: &Entry,
     t: Vector,

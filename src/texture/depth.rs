@@ -21,8 +21,9 @@ pub struct Footprint {
     pub dt_dy: Vector,
 }
 
-/// Returns the depth at which a map with base size `size` (one number per dimension) is sampled: the base-2 logarithm of
-/// the largest span, weighted by the frequency hints (ruling `depth-formula`), plus a bias in levels (R-HNT-02, R-HNT-03).
+/// Returns the depth at which a map is sampled: the base-2 logarithm of the largest span after each span is multiplied by its
+/// frequency hint (ruling `depth-formula`), plus a bias in levels (R-HNT-02, R-HNT-03). `size` is the size of the base level,
+/// with one number per dimension.
 #[must_use]
 pub fn sample_depth(size: &[usize], footprint: &Footprint, bias: f64, frequency: [f64; 3]) -> f64 {
     let spans = spans(size, footprint).into_iter().zip(frequency);

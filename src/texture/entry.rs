@@ -15,7 +15,7 @@ use std::str::FromStr;
 /// Red, green and blue. Values from 0 to 1 can be displayed.
 pub type Color = [f64; 3];
 
-/// Three coordinates of a point, a direction or a texture map.
+/// Three coordinates: of a point, of a direction, or in a texture map.
 pub type Vector = [f64; 3];
 
 /// Row-major 4×4 matrix that is multiplied by column vectors (ruling `matrix-storage`).

@@ -149,8 +149,8 @@ pub(crate) fn rotate(matrix: &Matrix, s: Vector) -> Vector {
     [0, 1, 2].map(|row| dot([matrix[row][0], matrix[row][1], matrix[row][2]], s))
 }
 
-/// Returns the angle around +y from +x, counterclockwise as seen from +y, in the range 0 to 2π. The angle is 0 on the axis
-/// (ruling `poles`).
+/// Returns the angle of `s` around the y axis, from 0 to 2π. It is measured from +x, counterclockwise as seen from +y. The angle
+/// is 0 if `s` is on the y axis (ruling `poles`).
 pub(crate) fn azimuth(s: Vector) -> f64 {
     if s[0] == 0.0 && s[2] == 0.0 {
         return 0.0;

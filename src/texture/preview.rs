@@ -52,7 +52,7 @@ const SAMPLES_PER_SIDE: usize = 2;
 /// Renders a preview of `side` × `side` pixels as interleaved red, green and blue, top row first.
 ///
 /// # Errors
-/// Returns an error if the coordinates of the entry cannot be derived for the shape.
+/// Returns an error if the parameterization of the entry cannot derive coordinates for the shape.
 pub fn preview(preview: &Preview, side: usize, rules: &Rules) -> Result<Vec<u8>, NoValue> {
     let mut rgb = Vec::with_capacity(3 * side * side);
     for row in 0..side {
@@ -75,7 +75,7 @@ pub fn preview(preview: &Preview, side: usize, rules: &Rules) -> Result<Vec<u8>,
     Ok(rgb)
 }
 
-/// Returns the color at (x, y), both from −1 to 1. `step` is the distance between pixels.
+/// Returns the color at (x, y). Both coordinates range from −1 to 1. `step` is the distance between pixels.
 fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Result<Color, NoValue> {
     let Some(point) = surface(preview, x, y) else {
         return Ok(BACKGROUND);

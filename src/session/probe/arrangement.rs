@@ -1,4 +1,4 @@
-//! Common wrong orders of samples.
+//! Common mistakes in the order of samples.
 
 use crate::protocol::frame::{Frame, Samples};
 use crate::suite::compare::Expected;
@@ -41,7 +41,8 @@ impl Arrangement {
         })
     }
 
-    /// Returns, for each sample of a correct image in order, its index in an image with this arrangement.
+    /// Returns the index of each sample in an image with this arrangement. The indices are in the order of the samples of a
+    /// correct image.
     fn sample_indices(&self, (width, height, channels): (usize, usize, usize)) -> Vec<usize> {
         let order = channel_order(self.order, channels);
         let order = order.unwrap_or_else(|| (0..channels).collect());
@@ -86,7 +87,7 @@ impl Arrangement {
     }
 }
 
-/// Returns `values` in every possible order, each with the mistakes that lead to that order.
+/// Undoes every possible arrangement of `values`. Each result contains the reordered values and the mistakes that were undone.
 pub(super) fn arrangements(values: &[f64], expected: &Expected) -> Vec<Interpretation> {
     let (width, height) = (expected.size.width as usize, expected.size.height as usize);
     let channels = expected.channels;

@@ -13,9 +13,9 @@ use crate::suite::compare::Expected;
 use super::message::{ProbeFault, fault};
 use super::repair::repair;
 
-/// The probed decoder and its working directory.
+/// Calls the probed decoder in a scratch directory.
 pub(super) struct Calls<'a> {
-    /// Command that starts the decoder, or empty if arguments cannot be appended to it.
+    /// Command that starts the decoder; empty if arguments cannot be appended to the command.
     pub(super) command: &'a [OsString],
     pub(super) decoder: &'a Decoder,
     pub(super) scratch: &'a Scratch,
@@ -89,7 +89,7 @@ impl Calls<'_> {
         self.find_other_call(file, expected, view)
     }
 
-    /// Finds a different command line with which the decoder prints a frame.
+    /// Finds a different command line that makes the decoder print a frame.
     fn find_other_call(&self, file: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
         let here = std::env::current_dir().ok()?;
         let (here, stdin) = (here.to_string_lossy(), "exec \"$@\" < \"$0\"");

@@ -31,7 +31,7 @@ pub struct ProbeStep {
 }
 
 impl ProbeStep {
-    /// Creates a step with a fault found in `subject` and instructions to reproduce it.
+    /// Creates a step for a fault in `subject`, with instructions to reproduce the fault.
     pub(super) fn bad(subject: &dyn Display, fault: ProbeFault, repeat: Reproduction) -> ProbeStep {
         ProbeStep {
             mark: Mark::Bad,
@@ -51,7 +51,7 @@ pub struct Reproduction {
     pub requests: Vec<ProbeRequest>,
 }
 
-/// A request for a file in a view.
+/// A request to decode a file in a view.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ProbeRequest {
     /// The view, as a word on the command line.
@@ -78,7 +78,8 @@ impl Reproduction {
         Reproduction { serve, requests }
     }
 
-    /// Returns the command line that reproduces the observation, with files in `directory` and the command `decoder`.
+    /// Returns the command line that reproduces the observation. `decoder` is the command of the decoder, and `directory`
+    /// contains the files.
     #[must_use]
     pub fn command(&self, decoder: &str, directory: &Path) -> String {
         let shown = "xxd | head";
@@ -143,7 +144,7 @@ impl Checklist {
         self.add(Mark::Absent, message, None);
     }
 
-    /// Returns the exit status: 0 if the decoder is ready for `check`, 3 if it is not a decoder yet, 1 in all other cases.
+    /// Returns the exit status: 0 if the decoder is ready for `check`, 3 if it is not a decoder yet, and 1 in all other cases.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
         match (self.has_frames, self.faults()) {

@@ -6,7 +6,8 @@ use crate::runner::run::Reply;
 
 use super::message::{ProbeFault, Slots, fault};
 
-/// Returns the last line of the decoder's standard error, with a label, as an additional line.
+/// Returns a new line that contains a label and the last line of the decoder's standard error. Returns an empty string if there
+/// is none.
 fn last_stderr_line(reply: &Reply) -> String {
     last_message(&reply.stderr).map_or(String::new(), |line| {
         format!("\nlast line of its standard error: {line}")

@@ -1,6 +1,6 @@
 //! Guides the author of a decoder through the protocol, step by step.
 //!
-//! `check` judges, and `probe` explains. Each step sends one request to the decoder and describes errors and their fixes. For a
+//! `check` judges, and `probe` explains. Each step sends requests to the decoder and describes errors and their fixes. For a
 //! wrong answer, known mistakes of wrappers (text before the frame, line endings, byte order, planar samples, flipped rows and
 //! others) are undone, singly and in combination. The combination that makes the answer correct tells the author what to fix.
 

@@ -13,7 +13,8 @@ use super::explain::{explain, refusal_fault};
 use super::message::{Slots, fault};
 use super::{repair::repair, sample::Sample};
 
-/// The formats that most readers support. The others follow in the order of the specification.
+/// The formats that most readers support, which are requested first. The other formats are requested in the order of the
+/// specification.
 const COMMON_FORMATS: [Format; 4] = [Format::Lrgb, Format::Rgb, Format::PtmCLut, Format::PtmLut];
 
 /// A file, and the decoder's reply in each view.
@@ -84,7 +85,7 @@ impl FileReplies {
     }
 }
 
-/// Finds a format that the decoder reads, and judges its images. Returns the replies that are frames.
+/// Finds a format that the decoder reads, and judges the images of a file in that format. Returns the replies that are frames.
 pub(super) fn find_first_frames(calls: &Calls, list: &mut Checklist) -> Option<FileReplies> {
     let (mut troubled, mut unsupported) = (None, None);
     let others = Format::ALL.into_iter();

@@ -19,7 +19,7 @@ impl Repair {
     }
 }
 
-/// Describes the smallest set of mistakes that must be undone to correct `bytes`. Returns `None` if no set does.
+/// Describes the smallest set of mistakes that must be undone to correct `bytes`. Returns `None` if there is no such set.
 pub(super) fn repair(bytes: &[u8], expected: &Expected, view: &View) -> Option<ProbeFault> {
     // Of several smallest sets, the first is returned.
     let repairs = repairs(bytes, expected, view).into_iter();
@@ -51,7 +51,8 @@ pub(super) fn repairs(bytes: &[u8], expected: &Expected, view: &View) -> Vec<Rep
 /// Repaired bytes and the mistakes that were undone.
 type RepairedBytes = (Vec<u8>, Vec<ProbeFault>);
 
-/// Returns the bytes unchanged, and the results of undoing text encodings, carriage returns, and text before the frame.
+/// Returns the unchanged bytes, and the results of undoing text encodings and of removing carriage returns and text before the
+/// frame.
 fn candidate_streams(bytes: &[u8]) -> Vec<RepairedBytes> {
     let mut streams = vec![(bytes.to_vec(), Vec::new())];
     streams.extend(from_utf16(bytes));
@@ -84,7 +85,8 @@ fn without_leading_text((bytes, mistakes): &RepairedBytes) -> Option<RepairedByt
     Some((bytes[line..].to_vec(), [&mistakes[..], &[text]].concat()))
 }
 
-/// Removes the carriage returns of text mode in three ways: from the first line, from the bytes after it, and from both.
+/// Removes the carriage returns that text mode inserts: from the first line, from the bytes after that line, or from both.
+/// Returns all results.
 fn without_carriage_returns(bytes: &[u8]) -> Vec<RepairedBytes> {
     let Some(end) = bytes.iter().position(|&byte| byte == b'\n') else {
         return Vec::new();

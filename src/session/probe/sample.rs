@@ -9,7 +9,7 @@ use crate::suite::{cases::TableSpelling, compare::Expected, values::Values};
 
 use super::checklist::Reproduction;
 
-/// A file and the result of a correct decoder.
+/// A file and the values that a correct decoder finds in it.
 pub(super) struct Sample {
     pub(super) format: Format,
     /// Spelling of the table, if the file has one.

@@ -20,7 +20,7 @@ use super::one_shot::FileReplies;
 
 const MALFORMED: &[u8] = b"PTM_1.2\n";
 
-/// Reason for an early end: the number of successful requests and a fault, or `None` if serve mode is not offered.
+/// Reason to end the steps early: the number of requests that were sent and a fault, or `None` if serve mode is not offered.
 type Stop = Option<(usize, ProbeFault)>;
 
 /// Runs the steps of serve mode: requests two frames and a refusal, one after the other, and then ends the process.
@@ -110,9 +110,9 @@ fn judge(line: &str, bytes: &[u8], expected: &Frame) -> Result<(), ProbeFault> {
     }
 }
 
-/// The behavior of the process while an answer was expected.
+/// The result of waiting for an answer from the process.
 enum ServeResult {
-    /// The line of an answer and the announced bytes.
+    /// The first line of an answer, and the bytes that it announces.
     Answer(String, Vec<u8>),
     /// No complete answer within the timeout.
     NoAnswer,
@@ -122,7 +122,7 @@ enum ServeResult {
     Fault(ProbeFault),
 }
 
-/// A conversation that tolerates protocol errors, with a process in serve mode.
+/// A conversation with a process in serve mode. Protocol errors are tolerated.
 struct Dialog<'a> {
     call: Call,
     workspace: Workspace<'a>,

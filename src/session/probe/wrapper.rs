@@ -118,7 +118,8 @@ impl FirstReply<'_> {
     }
 }
 
-/// Returns the smallest set of mistakes whose correction makes most frames of a view right, unless it only reorders samples.
+/// Returns the smallest set of mistakes that explains most frames of a view. Returns `None` if there is no such set, if undoing
+/// it only reorders samples, or if a frame is already correct.
 fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> {
     let of_view = || replies.iter().filter(|reply| reply.view == view);
     if of_view().any(FirstReply::is_right) {
@@ -146,7 +147,8 @@ fn common_frame_fault(view: &View, replies: &[FirstReply]) -> Option<ProbeStep> 
     (is_common && !repair.reorders).then(|| reply.step(repair.fault()))
 }
 
-/// Explains why the decoder returned no frame for any first file, if the cause is known, based on the first failing reply.
+/// Explains why the decoder returned no frame for any first file, based on the first reply that violates the protocol, or on the
+/// first reply if none does.
 fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<ProbeStep> {
     let failed = |reply: &&FirstReply| reply.reply.answer.violation().is_some();
     let first = replies.iter().find(failed).or_else(|| replies.first())?;

@@ -72,7 +72,8 @@ pub const CHOICES: Choices<Rules> = Choices(&[
     Choice::new("ptm-texels", PTM_TEXELS),
 ]);
 
-/// Returns a reading by its name in the `also` lists of cases: a reading of a choice, or of a point left to the implementation.
+/// Finds a reading by the name that cases use for it in their `also` lists. It is a reading of a choice, or of a point that is
+/// left to the implementation.
 #[must_use]
 pub fn find(reading: &str) -> Option<fn(&mut Rules)> {
     Some(match reading {

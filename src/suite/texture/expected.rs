@@ -16,7 +16,7 @@ impl TextureCase {
         self.expect.get("error").is_some()
     }
 
-    /// Computes the answer under `rules`, one reading of the chapter.
+    /// Computes the answer under `rules`, which represent one reading of the chapter.
     #[must_use]
     pub fn answer(&self, rules: &Rules) -> Answer<Value> {
         match self.read().and_then(|question| question.answer(rules)) {

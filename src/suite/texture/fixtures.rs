@@ -1,6 +1,6 @@
 //! Named maps, such as `ramp4` or `lit4x4` in a case.
 //!
-//! Cases refer to maps by name. A question contains the texels, so that programs under test do not need this file.
+//! Cases refer to maps by name. A question contains the texels instead, so programs under test do not need the names.
 
 use std::collections::BTreeMap;
 use std::sync::LazyLock;

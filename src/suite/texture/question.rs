@@ -187,7 +187,7 @@ enum TextureStep {
         #[serde(default)]
         entry: GivenEntry,
         texel: GivenTexel,
-        /// The primitive's color; in the split form, after lighting.
+        /// The color of the primitive. In the split form, this is the color after lighting.
         color: Color,
         #[serde(default = "opaque")]
         alpha: f64,
