@@ -73,7 +73,7 @@ fn generator(criterion: &mut Criterion) {
         height: 64,
     };
     for format in Format::ALL {
-        let recipe = Recipe::ordinary(format, size);
+        let recipe = Recipe::default_for(format, size);
         group.bench_with_input(
             BenchmarkId::from_parameter(format.short_name()),
             &recipe,

@@ -68,7 +68,7 @@ enum Command {
 
 fn main() -> ExitCode {
     #[cfg(unix)]
-    cli::guard::reset_signals();
+    cli::guard::override_signal_dispositions();
     let cli = Cli::parse();
     cli.global.apply();
     let outcome = match cli.command {

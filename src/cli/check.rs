@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicBool;
 
 use super::driver::{Check, ProgramRun};
 use super::ending::ReportWriter;
-use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
+use super::guard::{ScratchGuard, check_for_trouble, stop_on_signals};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
 use super::probe::save_files;
@@ -107,7 +107,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         }
         let _ = faults.set(found);
     });
-    subject.program().map_or(Ok(()), check_trouble)?;
+    subject.program().map_or(Ok(()), check_for_trouble)?;
     if args.output.html.is_some() && run.ended_early.is_none() {
         run.scene = lit_scene::request(&run.offer, &run.judgment.decoded, &ask);
     }
@@ -152,8 +152,8 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     }
     let directory = args.run.report.with_file_name("ptm-conform-probe");
     let command = quote_command(&args.decoder);
-    for repeat in faults.iter().filter_map(|fault| fault.repeat.as_ref()) {
-        if let Some(command) = save_files(repeat, &command, &directory) {
+    for reproduction in faults.iter().filter_map(|fault| fault.reproduction.as_ref()) {
+        if let Some(command) = save_files(reproduction, &command, &directory) {
             print_styled(&format!("to reproduce this:\n  $ {command}\n"));
         }
     }

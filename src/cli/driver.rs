@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 use super::ending::{OutputArgs, ReportWriter};
 use super::progress::{self, ProgressLine};
 use super::{CommandResult, calls::RunArgs};
-use super::{files::with_path, guard::check_trouble, output::jobs};
+use super::{files::with_path, guard::check_for_trouble, output::jobs};
 use ptm_conform::diagnose::MAX_WORK;
 use ptm_conform::report::conclude::{add_causes, first_causes, verdicts};
 use ptm_conform::report::reported::Reportable;
@@ -255,7 +255,7 @@ impl ProgramRun<'_> {
         };
         let check = Check::new(&plan, circumstances, writer, self.shard)?;
         let run = check.run_cases(ask, &|_| ());
-        check_trouble(self.program)?;
+        check_for_trouble(self.program)?;
         Ok(check.conclude(run, OtherRemarks::default())?)
     }
 }

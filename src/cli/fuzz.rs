@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering;
 
 use clap::Args;
 
-use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
+use super::guard::{ScratchGuard, check_for_trouble, stop_on_signals};
 use super::output::{bar, jobs, print};
 use super::{CommandError, CommandResult};
 use super::{arguments::positive_seconds, calls::CallArgs};
@@ -106,7 +106,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
         FuzzProgress::Found(finding) => bar.suspend(|| args.write(finding)),
     });
     bar.finish_and_clear();
-    check_trouble(&decoder)?;
+    check_for_trouble(&decoder)?;
     if let Some(why) = result.not_a_decoder {
         return Err(CommandError::new(3, &format!("not a decoder: {why}")));
     }

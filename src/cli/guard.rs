@@ -84,7 +84,7 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
 }
 
 /// Returns an error if the run ended without a verdict because of a problem with this program, not with the decoder.
-pub fn check_trouble(decoder: &Decoder) -> Result<(), String> {
+pub fn check_for_trouble(decoder: &Decoder) -> Result<(), String> {
     match decoder.trouble() {
         None => Ok(()),
         Some(trouble) => Err(format!(
@@ -96,7 +96,7 @@ pub fn check_trouble(decoder: &Decoder) -> Result<(), String> {
 /// Installs handlers for two signals whose inherited dispositions cause problems. A process that ignores SIGCHLD cannot wait for
 /// its children, and a process that exceeds a file size limit is killed silently by SIGXFSZ. Child processes get the default
 /// disposition for both.
-pub fn reset_signals() {
+pub fn override_signal_dispositions() {
     for signal in [SIGCHLD, SIGXFSZ] {
         // If a signal handler cannot be installed, the disposition stays unchanged.
         let _ = signal_hook::flag::register(signal, Arc::default());

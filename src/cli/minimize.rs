@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::guard::{ScratchGuard, check_trouble, stop_on_signals};
+use super::guard::{ScratchGuard, check_for_trouble, stop_on_signals};
 use super::output::{bar, print};
 use super::{CommandResult, calls::CallArgs, files, fuzz::CALLS_TEMPLATE};
 
@@ -72,7 +72,7 @@ pub fn run(args: &MinimizeArgs) -> CommandResult {
     };
     let small = reduce::reduce(&file, &stop, &fails);
     bar.finish_and_clear();
-    check_trouble(&decoder)?;
+    check_for_trouble(&decoder)?;
     let Some(small) = small else {
         let says = "the file cannot be made smaller, because the failure depends on the spelling of the header";
         print(&(says.to_owned() + "\n"));

@@ -11,7 +11,7 @@ use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::session::files::{FileResult, FilesReport, check_file};
 
 use super::files::{read, with_path, write_atomically};
-use super::guard::check_trouble;
+use super::guard::check_for_trouble;
 use super::output::{print, with_progress};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 
@@ -44,7 +44,7 @@ pub fn check(
                 Ok(file) => check_file(&name, &file, &views, &ask),
                 Err(why) => FileResult::not_run(&name, Some(why)),
             };
-            check_trouble(decoder)?;
+            check_for_trouble(decoder)?;
             progress(i + 1, paths.len());
             Ok(result)
         });

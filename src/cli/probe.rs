@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::guard::{ScratchGuard, check_trouble};
+use super::guard::{ScratchGuard, check_for_trouble};
 use super::terminal::print_styled;
 use super::{CommandResult, arguments::positive_seconds, calls::quote_command};
 use ptm_conform::runner::{processes, run::Decoder};
@@ -58,7 +58,7 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
         true => ptm_conform::writers::probe::probe(&program, &guarded.scratch)?,
         false => probe(&args.decoder, &program, &guarded.scratch),
     };
-    check_trouble(&program)?;
+    check_for_trouble(&program)?;
     let command = quote_command(&args.decoder);
     let repeat = |repeat: &Reproduction| save_files(repeat, &command, &args.keep);
     let next = match (list.faults(), args.writer) {

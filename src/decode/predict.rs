@@ -193,7 +193,7 @@ mod tests {
     use super::*;
     use crate::decode::Alternative::{
         self, BorderGray, BorderWrapped, HalvesRoundedDown, InversionAfterMotion,
-        MotionAgainstRows, MotionMinus, NoJpegLsOffset,
+        MotionAgainstRows, MotionReversed, NoJpegLsOffset,
     };
 
     /// Reading, width, vector, and the displaced plane for the input 10, 21, 30, 40. The corpus has more tests of the
@@ -201,7 +201,7 @@ mod tests {
     const DISPLACED: [(Option<Alternative>, u32, i64, i64, [u8; 4]); 8] = [
         (None, 4, 1, 0, [16, 26, 35, 40]),
         (Some(HalvesRoundedDown), 4, 1, 0, [15, 25, 35, 40]),
-        (Some(MotionMinus), 4, 2, 0, [10, 10, 21, 30]),
+        (Some(MotionReversed), 4, 2, 0, [10, 10, 21, 30]),
         (Some(MotionAgainstRows), 1, 0, 2, [10, 10, 21, 30]),
         (Some(MotionAgainstRows), 4, 2, 0, [21, 30, 40, 40]),
         (Some(BorderWrapped), 4, 2, 0, [21, 30, 40, 10]),

@@ -84,7 +84,7 @@ impl Reading {
             Alternative::CrFirst => self.lum_vector = evaluate::lum_vector_cr_first,
             Alternative::RowsFirst => self.lum_matrix = color_matrix::row_major_rows,
             Alternative::UnitRange => self.lum_translation = evaluate::scaled_lum_translation,
-            Alternative::MotionMinus => self.motion_sign = predict::predictor_to_texel,
+            Alternative::MotionReversed => self.motion_sign = predict::predictor_to_texel,
             Alternative::MotionAgainstRows => self.motion_vertical = predict::y_against_stored_rows,
             Alternative::HalvesRoundedDown => self.motion_half = predict::mean_rounded_down,
             Alternative::BorderWrapped => self.motion_border = predict::wrap_border,
@@ -110,7 +110,7 @@ pub enum Alternative {
     /// `lum-range`: the values and the translation range from 0 to 1.
     UnitRange,
     /// `motion-sign`: a vector points from the predictor to the texel.
-    MotionMinus,
+    MotionReversed,
     /// `motion-vertical`: y increases downward in the image, opposite to the order of stored rows.
     MotionAgainstRows,
     /// `motion-half`: means are rounded down.

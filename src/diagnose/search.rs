@@ -353,7 +353,7 @@ impl<'a> Search<'a> {
             }
             variants = grown;
         }
-        self.add_other_order(&mut variants);
+        self.add_reversed_variants(&mut variants);
         self.count_work(w, variants.len());
         variants
             .iter()
@@ -415,12 +415,12 @@ impl<'a> Search<'a> {
 
     /// Adds the reverse of each variant in which the order of two mistakes matters. For example, a mistake that drops bytes at
     /// the start of a payload changes what another mistake finds at the end.
-    fn add_other_order(&self, variants: &mut Vec<MistakeSet>) {
+    fn add_reversed_variants(&self, variants: &mut Vec<MistakeSet>) {
         for i in 0..variants.len() {
             let variant = &variants[i];
             let is_ordered = |(i, &a): (usize, &MistakeId)| {
                 let mut later = variant[i + 1..].iter();
-                later.any(|&b| self.depends_on_order(a, b))
+                later.any(|&b| self.order_matters(a, b))
             };
             if variant.iter().enumerate().any(is_ordered) {
                 variants.push(variant.iter().rev().copied().collect());
@@ -429,7 +429,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns true if both mistakes edit the bytes of the file, or both change the same formula.
-    fn depends_on_order(&self, a: MistakeId, b: MistakeId) -> bool {
+    fn order_matters(&self, a: MistakeId, b: MistakeId) -> bool {
         let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.step.formulas());
         self.edits_bytes(a) && self.edits_bytes(b)
             || one.iter().any(|formula| other.contains(formula))

@@ -42,7 +42,7 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
         (Response::Image { frame, .. }, Answer::Decoded(answer)) => {
             // Answers that equal the reference's are not stored. A field that only one answer has counts as a difference.
             let received = frame.as_ref().unwrap_or(&case.expect);
-            let differs = difference(&expected_fields(case, &answer), received, case.tolerance);
+            let differs = difference(&checked_fields(case, &answer), received, case.tolerance);
             case.expect() == Expect::Reject || differs.is_none()
         }
         (Response::Rejected, Answer::Rejected) => true,
@@ -51,7 +51,7 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
 }
 
 /// Returns only those fields of an answer that the case checks.
-fn expected_fields(case: &TextureCase, answer: &Value) -> Value {
+fn checked_fields(case: &TextureCase, answer: &Value) -> Value {
     let fields = case.expect.as_object().into_iter().flatten();
     let kept = fields.filter_map(|(name, _)| Some((name.clone(), answer.get(name)?.clone())));
     Value::Object(kept.collect())

@@ -321,7 +321,7 @@ impl Draft {
     /// Formats the case as in `spec-cases/`.
     #[must_use]
     pub fn to_yaml(&self, id: &str, because: &str) -> String {
-        let clause = section(self.format);
+        let clause = payload_clause(self.format);
         let legal_id = match self.damage {
             Some(_) => format!("{id}-whole"),
             None => id.to_owned(),
@@ -356,7 +356,7 @@ impl Draft {
 }
 
 /// Returns the clause that introduces the payload of a format.
-fn section(format: Format) -> &'static str {
+fn payload_clause(format: Format) -> &'static str {
     match format.storage() {
         Storage::Texels => "2.7/1",
         Storage::Table | Storage::ColorTable => "2.8/1",

@@ -116,7 +116,7 @@ pub fn re_encoding(bytes: &[u8]) {
     natural.compression.residuals = Residuals::Natural;
     let mut plain = natural.clone();
     plain.format = natural.format.uncompressed();
-    plain.compression = Compression::ordinary(plain.format);
+    plain.compression = Compression::default_for(plain.format);
     let [plain, natural] = [plain, natural].map(|recipe| planes(&recipe, &Model::paint(&recipe)));
     assert_eq!(plain.samples, natural.samples);
 }

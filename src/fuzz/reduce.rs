@@ -65,7 +65,7 @@ impl WriterInput {
             let bytes = &file[field.range];
             fields.0.entry(field.clause).or_default().push(bytes);
         }
-        let mut recipe = Recipe::ordinary(format, size);
+        let mut recipe = Recipe::default_for(format, size);
         recipe.scale = fields.text("2.4/3")?.parse().ok()?;
         recipe.bias = fields.text("2.4/4")?.parse().ok()?;
         if format == Format::Lum {
@@ -229,7 +229,7 @@ mod tests {
 
     #[test]
     fn failing_texel_is_isolated() {
-        let recipe = Recipe::ordinary(Format::Rgb, "40x30".parse().expect("a size"));
+        let recipe = Recipe::default_for(Format::Rgb, "40x30".parse().expect("a size"));
         let file = write(&recipe, &Model::paint(&recipe)).bytes;
         let samples = |file: &[u8]| decode(file).map_or(0, |ptm| ptm.planes.samples.len());
         let fails = |file: &[u8]| samples(file) >= 18 * 6;

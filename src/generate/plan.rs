@@ -215,7 +215,7 @@ impl Compression {
     /// Returns the default compression: no predicted planes, and either JPEG at quality 75 with blocks that every decoder
     /// reconstructs exactly, or lossless JPEG-LS.
     #[must_use]
-    pub fn ordinary(format: Format) -> Compression {
+    pub fn default_for(format: Format) -> Compression {
         let coding = format.coding().unwrap_or(Coding::JpegLs);
         let count = format.channels();
         let (references, order) = Structure::Intra.lists(count as i64);

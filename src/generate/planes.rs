@@ -299,7 +299,7 @@ mod tests {
     fn blocks_round_trip_at_every_quality() {
         for (quality, baseline) in (1..=100).flat_map(|quality| [(quality, true), (quality, false)])
         {
-            let mut recipe = Recipe::ordinary(Format::JpegLrgb, "17x9".parse().expect("a size"));
+            let mut recipe = Recipe::default_for(Format::JpegLrgb, "17x9".parse().expect("a size"));
             recipe.compression.parameter = quality;
             recipe.compression.stream.jpeg.baseline = baseline;
             assert!(Model::paint(&recipe).slack.is_empty(), "quality {quality}");

@@ -87,7 +87,7 @@ impl Recipe {
     /// # Panics
     /// Panics only if a constant is not a valid number, which would be a bug.
     #[must_use]
-    pub fn ordinary(format: Format, size: Size) -> Recipe {
+    pub fn default_for(format: Format, size: Size) -> Recipe {
         let numbers = "the constants are valid numbers";
         Recipe {
             format,
@@ -102,7 +102,7 @@ impl Recipe {
                 .expect(numbers),
             entries: 7,
             indices: Indices::Any,
-            compression: Compression::ordinary(format),
+            compression: Compression::default_for(format),
             first_byte: None,
             spelling: Spelling::default(),
         }

@@ -145,7 +145,7 @@ fn encode(ptm: &Ptm, format: Format, spelling: Spelling) -> Option<Vec<u8>> {
     }
     let mut recipe = Recipe {
         spelling,
-        ..Recipe::ordinary(format, size)
+        ..Recipe::default_for(format, size)
     };
     recipe.scale = numbers(&ptm.header.scale_bias.scale)?;
     recipe.bias = numbers(&ptm.header.scale_bias.bias)?;

@@ -108,7 +108,7 @@ pub fn frame_to_image(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
 #[must_use]
 pub fn file(format: Format, count: Count) -> Vec<u8> {
     let map = ball(SIDE);
-    let mut recipe = Recipe::ordinary(format, map.size);
+    let mut recipe = Recipe::default_for(format, map.size);
     recipe.scale = "2 2 2 2 2 2".parse().expect("numbers");
     recipe.bias = "128 128 128 128 128 128".parse().expect("numbers");
     recipe.spelling.count = count;

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::decode::Alternative::{
     BorderGray, BorderWrapped, CrFirst, HalvesRoundedDown, InversionAfterMotion, MotionAgainstRows,
-    MotionMinus, NoJpegLsOffset, RowsFirst, SideInformationOnlyIfLossy, UnitRange,
+    MotionReversed, NoJpegLsOffset, RowsFirst, SideInformationOnlyIfLossy, UnitRange,
 };
 use crate::protocol::frame::View;
 use crate::ptm::Format;
@@ -36,7 +36,7 @@ const MOTION_INVERSION: Alternatives<Reading> = &[
 const MOTION_SIGN: Alternatives<Reading> = &[
     ("vectors point from a texel to its predictor", |_| {}),
     ("vectors point from the predictor to its texel", |r| {
-        r.set(MotionMinus);
+        r.set(MotionReversed);
     }),
 ];
 const MOTION_VERTICAL: Alternatives<Reading> = &[

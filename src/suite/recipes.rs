@@ -38,7 +38,7 @@ impl MakeRecord {
     /// Builds the recipe with the given words filled in.
     pub fn recipe(&self, words: &Words) -> Result<Recipe, String> {
         let size = words.fill(&self.size).parse()?;
-        let mut recipe = Recipe::ordinary(words.fill(&self.format).parse()?, size);
+        let mut recipe = Recipe::default_for(words.fill(&self.format).parse()?, size);
         let entries = |text: &str| number("entries", text);
         let first = |text: &str| number("first_byte", text).map(Some);
         words.set(&mut recipe.scene, self.scene.as_ref(), str::parse)?;

@@ -82,7 +82,7 @@ fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, 
     let texts = |role: fn(usize) -> Role, count: usize| {
         join_texts((0..count).filter_map(|i| dissection.text(role(i))), " ")
     };
-    let mut recipe = Recipe::ordinary(target.format, ptm.header.size);
+    let mut recipe = Recipe::default_for(target.format, ptm.header.size);
     recipe.scale = texts(Role::Scale, 6).parse()?;
     let biases = ptm.header.scale_bias.bias.map(|bias| format!("{bias:.0}"));
     recipe.bias = biases.join(" ").parse()?;

@@ -345,7 +345,7 @@ mod tests {
     #[test]
     fn parts_cover_every_byte() {
         for format in Format::ALL {
-            let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
+            let recipe = Recipe::default_for(format, "4x3".parse().unwrap());
             let written = write(&recipe, &Model::paint(&recipe));
             let dissection = Dissection::parse(&written.bytes);
             assert!(dissection.outcome.is_ok(), "{format}");
@@ -364,7 +364,7 @@ mod tests {
     #[test]
     fn truncated_parts_are_included() {
         for format in Format::ALL {
-            let recipe = Recipe::ordinary(format, "4x3".parse().unwrap());
+            let recipe = Recipe::default_for(format, "4x3".parse().unwrap());
             let file = write(&recipe, &Model::paint(&recipe)).bytes;
             let [full, cut] = [5, 0].map(|kept| Dissection::parse(&file[..file.len() - 5 + kept]));
             let mut parts = cut.parts.iter();

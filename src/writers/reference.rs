@@ -30,7 +30,7 @@ pub fn write_requested_file(request: &WriteRequest) -> Result<Vec<u8>, NotWritte
 /// Returns the reason why the reference cannot write the file.
 pub fn recipe(request: &WriteRequest) -> Result<Recipe, NotWritten> {
     let WriteRequest { header, format, .. } = request;
-    let mut recipe = Recipe::ordinary(*format, request.size());
+    let mut recipe = Recipe::default_for(*format, request.size());
     let numbers = "formatted numbers can be parsed";
     let (scale, bias) = (
         header.scale.map(format_decimal),
@@ -50,7 +50,7 @@ pub fn recipe(request: &WriteRequest) -> Result<Recipe, NotWritten> {
 
 fn compression(request: &WriteRequest, format: Format) -> Result<Compression, NotWritten> {
     let header = &request.header;
-    let mut plan = Compression::ordinary(format);
+    let mut plan = Compression::default_for(format);
     plan.parameter = header.quality.or(header.near).unwrap_or_default();
     plan.residuals = Residuals::Natural;
     if let Some(prediction) = &header.prediction {

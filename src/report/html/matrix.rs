@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use crate::report::document::{LikelyCause, Report};
 use crate::report::html::clause_map::{group_by_section, tallies};
-use crate::report::html::shell::{link, page_with_head, verdict_mark};
+use crate::report::html::shell::{link, complete_page, verdict_mark};
 use crate::suite::clauses::Clause;
 
 /// Renders a table with one column per report and one row per clause that a case tests. All reports must be for the same suite,
@@ -67,7 +67,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], suite_size: usize) -> Resu
         }
     };
     let title = format!("{} decoders — {}", reports.len(), suite.short_title());
-    Ok(page_with_head(&title, &body))
+    Ok(complete_page(&title, &body))
 }
 
 /// Renders the command of the decoder in report `i`, followed by a number if several reports have the same command.

@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::report::document::{CaseResult, Report};
 use crate::report::html::cases::{evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
-use crate::report::html::shell::{link, mark, page_with_head, verdict_mark};
+use crate::report::html::shell::{link, mark, complete_page, verdict_mark};
 use crate::report::html::{clause_map, scene};
 use crate::report::reported::Reportable;
 use crate::session::{lit_scene::LitScene, outcome::Outcome, run::Run, scores::Fraction};
@@ -40,7 +40,7 @@ pub fn page<C: Reportable>(
             (footer(report))
         }
     };
-    Ok(page_with_head(&title, &body))
+    Ok(complete_page(&title, &body))
 }
 
 fn header<C: Reportable>(suite: &Suite<C>, report: &Report, scene: Option<&LitScene>) -> Markup {

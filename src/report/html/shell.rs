@@ -12,7 +12,7 @@ pub const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("report.js");
 
 /// Renders a complete page with the given title and body.
-pub(super) fn page_with_head(title: &str, body: &Markup) -> String {
+pub(super) fn complete_page(title: &str, body: &Markup) -> String {
     let digest = BASE64.encode(&Sha256::digest(SCRIPT));
     let policy = format!(
         "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'sha256-{digest}'; base-uri 'none'; form-action 'none'"

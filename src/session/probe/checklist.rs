@@ -27,17 +27,17 @@ pub struct ProbeStep {
     /// The suggested action, if there is something to do.
     pub next: Option<String>,
     /// Requests that reproduce the observation, if there is something to fix.
-    pub repeat: Option<Reproduction>,
+    pub reproduction: Option<Reproduction>,
 }
 
 impl ProbeStep {
     /// Creates a step for a fault in `subject`, with instructions to reproduce the fault.
-    pub(super) fn bad(subject: &dyn Display, fault: ProbeFault, repeat: Reproduction) -> ProbeStep {
+    pub(super) fn bad(subject: &dyn Display, fault: ProbeFault, reproduction: Reproduction) -> ProbeStep {
         ProbeStep {
             mark: Mark::Bad,
             message: format!("{subject}: {}", fault.0),
             next: Some(fault.1),
-            repeat: Some(repeat),
+            reproduction: Some(reproduction),
         }
     }
 }
@@ -112,12 +112,12 @@ pub struct Checklist {
 
 impl Checklist {
     fn add(&mut self, mark: Mark, message: impl Into<String>, next: Option<String>) {
-        let (message, repeat) = (message.into(), None);
+        let (message, reproduction) = (message.into(), None);
         self.steps.push(ProbeStep {
             mark,
             message,
             next,
-            repeat,
+            reproduction,
         });
     }
 
@@ -135,9 +135,9 @@ impl Checklist {
         &mut self,
         subject: &dyn Display,
         fault: ProbeFault,
-        repeat: Reproduction,
+        reproduction: Reproduction,
     ) {
-        self.steps.push(ProbeStep::bad(subject, fault, repeat));
+        self.steps.push(ProbeStep::bad(subject, fault, reproduction));
     }
 
     pub(crate) fn add_absent(&mut self, message: impl Into<String>) {
@@ -175,7 +175,7 @@ impl Checklist {
             if let Some(next) = &step.next {
                 let _ = writeln!(text, "  → {}", next.replace('\n', "\n    "));
             }
-            if let Some(command) = step.repeat.as_ref().and_then(command) {
+            if let Some(command) = step.reproduction.as_ref().and_then(command) {
                 let _ = writeln!(text, "  $ {}", command.replace('\n', "\n  $ "));
             }
         }

@@ -120,7 +120,7 @@ pub(super) fn find_first_frames(calls: &Calls, list: &mut Checklist) -> Option<F
     }
     let subject = format!("{} {view}", sample.format.short_name());
     let fault = known.unwrap_or_else(|| explain(reply));
-    list.add_fault(&subject, fault, sample.repeat(view));
+    list.add_fault(&subject, fault, sample.reproduction(view));
     None
 }
 
@@ -138,8 +138,8 @@ pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &m
             Some(_) if asked.is_faultless() => list.add_good(format!("{name}: decoded correctly")),
             Some(_) if asked.rank()[0] => judge_views(&asked, list),
             Some((view, reply)) => {
-                let repeat = || (Vec::new(), asked.sample.repeat(view));
-                let same = failed.entry(reply.answer.describe()).or_insert_with(repeat);
+                let reproduction = || (Vec::new(), asked.sample.reproduction(view));
+                let same = failed.entry(reply.answer.describe()).or_insert_with(reproduction);
                 same.0.push(name);
             }
         }
@@ -150,9 +150,9 @@ pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &m
     if !unsupported.is_empty() {
         list.add_absent(format!("not supported: {}", unsupported.join(", ")));
     }
-    for (answer, (names, repeat)) in failed {
+    for (answer, (names, reproduction)) in failed {
         let fault = fault("format-not-read", &[("answer", &answer)]);
-        list.add_fault(&names.join(", "), fault, repeat);
+        list.add_fault(&names.join(", "), fault, reproduction);
     }
 }
 
@@ -188,7 +188,7 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
             answer => fault("no-image", &[("answer", &answer.describe())]),
         };
         let fault = repair(&reply.stdout, &expected, view).unwrap_or(wrong);
-        list.add_fault(&subject, fault, sample.repeat(view));
+        list.add_fault(&subject, fault, sample.reproduction(view));
     }
 }
 
@@ -210,7 +210,7 @@ pub(super) fn request_large_frame(calls: &Calls, first: &FileReplies, list: &mut
             }
             _ => explain(&reply),
         };
-        list.add_fault(&subject, fault, sample.repeat(view));
+        list.add_fault(&subject, fault, sample.reproduction(view));
     }
 }
 
@@ -223,8 +223,8 @@ pub(super) fn request_malformed_files(calls: &Calls, first: &FileReplies, list: 
             list.add_good(format!("{subject}: refused with 65"));
             continue;
         }
-        let repeat = Reproduction::one_shot(view, file_name, file);
-        list.add_fault(&subject, refusal_fault(&reply), repeat);
+        let reproduction = Reproduction::one_shot(view, file_name, file);
+        list.add_fault(&subject, refusal_fault(&reply), reproduction);
     }
 }
 
@@ -248,7 +248,7 @@ pub(super) fn request_unknown_view(calls: &Calls, sample: &Sample, list: &mut Ch
         Answer::Decoded(_) => fault("unknown-view-shown", &[]),
         answer => fault("unknown-view", &[("answer", &answer.describe())]),
     };
-    list.add_fault(&"an unknown view", fault, sample.repeat(&UNKNOWN_VIEW));
+    list.add_fault(&"an unknown view", fault, sample.reproduction(&UNKNOWN_VIEW));
 }
 
 pub(super) fn request_capabilities(calls: &Calls, list: &mut Checklist) {

@@ -23,7 +23,7 @@ impl Sample {
     fn new(format: Format, size: &str, spelling: TableSpelling) -> Sample {
         let size: Size = size.parse().expect("a constant size");
         let mut made = (1..=1000).map(|seed| {
-            let mut recipe = Recipe::ordinary(format, size);
+            let mut recipe = Recipe::default_for(format, size);
             recipe.seed = seed;
             recipe.spelling.count = spelling.count;
             recipe.spelling.newline_after_table = spelling.newline;
@@ -71,7 +71,7 @@ impl Sample {
     }
 
     /// Returns instructions for requesting the file in `view`.
-    pub(super) fn repeat(&self, view: &dyn Display) -> Reproduction {
+    pub(super) fn reproduction(&self, view: &dyn Display) -> Reproduction {
         let name = self.format.short_name().to_lowercase();
         Reproduction::one_shot(view, format!("{name}-{}.ptm", self.size), &self.file)
     }

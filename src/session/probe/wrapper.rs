@@ -65,8 +65,8 @@ pub fn wrapper_faults(
         let sample = Sample::large(first.case.format(), contact.table);
         let reply = calls.ask(view, &sample.file);
         buffer_size(&reply)?;
-        let (subject, repeat) = (sample.size_text(view), sample.repeat(view));
-        Some(ProbeStep::bad(&subject, explain(&reply), repeat))
+        let (subject, reproduction) = (sample.size_text(view), sample.reproduction(view));
+        Some(ProbeStep::bad(&subject, explain(&reply), reproduction))
     };
     let cut = map_in_parallel(decoded.len(), plan.jobs, &|_, _| (), &large);
     let mut faults: Vec<ProbeStep> = cut.into_iter().flatten().collect();
@@ -113,8 +113,8 @@ impl FirstReply<'_> {
 
     fn step(&self, fault: ProbeFault) -> ProbeStep {
         let file_name = format!("{}.ptm", self.case.id);
-        let repeat = Reproduction::one_shot(self.view, file_name, &self.file);
-        ProbeStep::bad(self.view, fault, repeat)
+        let reproduction = Reproduction::one_shot(self.view, file_name, &self.file);
+        ProbeStep::bad(self.view, fault, reproduction)
     }
 }
 
@@ -180,6 +180,6 @@ fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<Prob
     }
     let (subject, file_name, file) = files[0];
     let subject = format!("{subject}, and other malformed files");
-    let repeat = Reproduction::one_shot(first.view, file_name, file);
-    Some(ProbeStep::bad(&subject, refusal_fault(&replies[0]), repeat))
+    let reproduction = Reproduction::one_shot(first.view, file_name, file);
+    Some(ProbeStep::bad(&subject, refusal_fault(&replies[0]), reproduction))
 }

@@ -94,7 +94,7 @@ impl SetPlan {
             scale: [0.3, 0.2, 0.25, 0.25, 0.3, self.brightness],
             bias: [128.0, 100.0, 140.0, 120.0, 130.0, -60.0],
         };
-        let samples = Model::paint(&Recipe::ordinary(format, size)).samples;
+        let samples = Model::paint(&Recipe::default_for(format, size)).samples;
         new_map(format, size, scale_bias, None, samples)
     }
 
@@ -118,7 +118,7 @@ impl SetPlan {
 
     /// Generates noise for each value of photograph `k`.
     fn generate_noise(&self, size: Size, k: usize) -> Vec<f64> {
-        let mut recipe = Recipe::ordinary(Format::Lrgb, size);
+        let mut recipe = Recipe::default_for(Format::Lrgb, size);
         recipe.seed = 1000 + k as u32;
         let samples = Model::paint(&recipe).samples;
         let max_noise = f64::from(self.noise);

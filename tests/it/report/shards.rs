@@ -139,7 +139,7 @@ fn eight_merged_shards_equal_the_whole_run() {
     // Mixes two dialects.
     assert_same_report(&suite, &|request| {
         let reading = match is_sampled(request, 2) {
-            true => Reading::SPEC.with_alternative(Alternative::MotionMinus),
+            true => Reading::SPEC.with_alternative(Alternative::MotionReversed),
             false => Reading::SPEC,
         };
         answer(&[], reading, request.file, request.view)

@@ -109,7 +109,7 @@ fn the_decoder_accepts_and_refuses_as_expected() {
 fn the_readme_describes_the_generator() {
     let readme = fs::read_to_string(root().join("spec-cases/README.md")).expect("a README");
     let size = "2x2".parse().expect("a size");
-    let recipe = Recipe::ordinary(Format::Lrgb, size);
+    let recipe = Recipe::default_for(Format::Lrgb, size);
     let file = write(&recipe, &Model::paint(&recipe)).bytes;
     let numbers = |texts: Vec<&str>| format!("`{}`", texts.join(" "));
     let words = readme.split_whitespace().collect::<Vec<_>>().join(" ");

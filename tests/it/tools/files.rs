@@ -19,7 +19,7 @@ use serde_json::Value;
 fn workspace_with_formats() -> Workspace {
     let here = Workspace::new();
     for format in Format::ALL {
-        let recipe = Recipe::ordinary(format, "9x5".parse().expect("a size"));
+        let recipe = Recipe::default_for(format, "9x5".parse().expect("a size"));
         let file = write(&recipe, &Model::paint(&recipe)).bytes;
         here.write(&format!("{}.ptm", format.short_name()), file);
     }

@@ -66,7 +66,7 @@ proptest! {
         format in 0..9_usize,
         edits in prop::collection::vec((any::<prop::sample::Index>(), any::<u8>(), 0..3_u8), 1..6),
     ) {
-        let recipe = Recipe::ordinary(Format::ALL[format], "4x3".parse().expect("a size"));
+        let recipe = Recipe::default_for(Format::ALL[format], "4x3".parse().expect("a size"));
         let mut file = write(&recipe, &Model::paint(&recipe)).bytes;
         for (place, byte, edit) in edits {
             let at = place.index(file.len());
