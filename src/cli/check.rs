@@ -152,7 +152,10 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     }
     let directory = args.run.report.with_file_name("ptm-conform-probe");
     let command = quote_command(&args.decoder);
-    for reproduction in faults.iter().filter_map(|fault| fault.reproduction.as_ref()) {
+    for reproduction in faults
+        .iter()
+        .filter_map(|fault| fault.reproduction.as_ref())
+    {
         if let Some(command) = save_files(reproduction, &command, &directory) {
             print_styled(&format!("to reproduce this:\n  $ {command}\n"));
         }

@@ -1,5 +1,7 @@
 //! Attributes failures to the mistakes that the search found.
 
+use std::collections::HashSet;
+
 use super::diagnosis::{Category, Cause, CauseText, Diagnosis};
 use super::failure_mode::FailureMode;
 use super::mistake::{ChannelSubset, Mistake};
@@ -11,8 +13,9 @@ use super::words::refusals::{self, WholeFormats};
 use super::words::{acceptances, differences, formats_phrase};
 use crate::formula::EditedForm;
 use crate::misreadings::{Hook, Misreading, Stage, Symptom};
-use crate::protocol::frame::ProcessEnd;
+use crate::protocol::frame::{Answer, ProcessEnd};
 use crate::ptm::Format;
+use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
 /// Failures listed under one mistake, and the other mistakes needed to explain them.
@@ -54,6 +57,7 @@ pub(super) fn attribute_failures(
         if is_weak(search, &set, index, &shares[index], &left)
             || is_incompatible(search, &set, &shares, index)
             || is_minor(search.witnesses, &shares[index].explains, &left)
+            || is_too_broad(search, set[index], &shares[index].explains, &left)
         {
             left.append(&mut shares[index].explains);
         }
@@ -83,6 +87,33 @@ fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool 
     let images = explained.iter().filter(|w| is_image(w)).count();
     earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
         || is_most(images, explained.len()) && !is_substantial(images, images + open.len())
+}
+
+/// Returns true if the mistake is restricted to files with a property, but many wrong images of such files remain unexplained.
+fn is_too_broad(search: &Search, id: MistakeId, explained: &[usize], left: &[usize]) -> bool {
+    let scope = &search.mistakes[id].scope;
+    let is_by_property = matches!(scope, FileScope::Property(..) | FileScope::Beyond { .. });
+    let open = || open_images(search.witnesses, scope, true, explained, left);
+    is_by_property && !explained.is_empty() && !is_few(open(), explained.len())
+}
+
+/// Counts the unexplained wrong images of legal files inside or outside the scope, in formats with explained failures.
+fn open_images(
+    witnesses: &[Witness],
+    scope: &FileScope,
+    is_inside: bool,
+    explained: &[usize],
+    left: &[usize],
+) -> usize {
+    let format = |w: &usize| witnesses[*w].case.format();
+    let formats: HashSet<Format> = explained.iter().map(format).collect();
+    let is_open = |w: &&usize| {
+        let witness = &witnesses[**w];
+        witness.is_image_of_legal_file()
+            && scope.contains(witness) == is_inside
+            && formats.contains(&format(w))
+    };
+    left.iter().filter(is_open).count()
 }
 
 /// Describes the formats in `whole`, whose legal files all fail in the same way. Drops mistakes that explain only these failures.
@@ -189,7 +220,7 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share, left: &[usiz
         .equivalents
         .iter()
         .filter_map(|&id| search.mistakes[id].unrestricted_misreading());
-    let alike: Vec<&Misreading> = alike.collect();
+    let mut alike: Vec<&'static Misreading> = alike.collect();
     let observed = refusals::describe_observation(witnesses, &share.explains);
     if let Some(observed) = observed.filter(|_| misreading.symptom != Symptom::Refusals) {
         return observed.with_equivalents([&[misreading], &alike[..]].concat());
@@ -197,8 +228,29 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share, left: &[usiz
     let in_suite = |indices: &[usize]| -> Vec<usize> {
         indices.iter().map(|&w| witnesses[w].case_index).collect()
     };
-    let observed = refusals::describe_non_images(witnesses, &share.explains, misreading, &alike)
-        .or_else(|| acceptances::describe_observation(witnesses, &share.explains, misreading));
+    let accepted = acceptances::describe_observation(witnesses, &share.explains, misreading);
+    // A decoder with a misreading that accepts other malformed files as well would not look the same.
+    let accepts_more = |misreading: &'static Misreading| {
+        let mistake = Mistake::unscoped(misreading);
+        let accepts = |w: &usize| {
+            let witness = &witnesses[*w];
+            witness.expected == Answer::Rejected
+                && matches!(witness.observation.response, Response::Rejected)
+                && matches!(*witness.answer(&[&mistake]), Answer::Decoded(_))
+        };
+        search.passing.iter().any(accepts)
+    };
+    if accepted.is_some() {
+        alike.retain(|misreading| !accepts_more(misreading));
+    }
+    let observed = match accepted {
+        Some(accepted) if accepts_more(misreading) => {
+            let diagnosis = Diagnosis::new(accepted, in_suite(&share.explains));
+            return diagnosis.with_equivalents(alike);
+        }
+        accepted => refusals::describe_non_images(witnesses, &share.explains, misreading, &alike)
+            .or(accepted),
+    };
     let cause = Cause::Misreading {
         misreading,
         equivalents: alike,
@@ -219,21 +271,14 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share, left: &[usiz
     let files = match &mistake.scope {
         // An edit may change nothing in other formats.
         FileScope::All => formats_phrase(witnesses, &share.explains),
-        scope => {
-            // The decoder may make the same mistake in the other files, with other results.
-            let formats = share.explains.iter().map(|&w| witnesses[w].case.format());
-            let formats: Vec<Format> = formats.collect();
-            let is_open = |w: &&usize| {
-                let witness = &witnesses[**w];
-                let is_other = !scope.contains(witness) && formats.contains(&witness.case.format());
-                is_other && witness.is_image_of_legal_file()
-            };
-            let open = left.iter().filter(is_open).count();
-            match is_few(open, share.explains.len()) {
-                true => format!(", only in files {}", scope.describe()),
-                false => format!(", in files {}", scope.describe()),
-            }
-        }
+        // The decoder may make the same mistake in the other files, with other results.
+        scope => match is_few(
+            open_images(witnesses, scope, false, &share.explains, left),
+            share.explains.len(),
+        ) {
+            true => format!(", only {}", scope.describe_restriction()),
+            false => format!(", {}", scope.describe_restriction()),
+        },
     };
     let (effect, fix) = match (mistake.catalog_misreading(), misreading.step) {
         (None, Hook::Edits([edit])) => {

@@ -58,6 +58,14 @@ impl FileScope {
         }
     }
 
+    /// Returns text that completes "only …".
+    pub fn describe_restriction(&self) -> String {
+        match self {
+            FileScope::Property(index, _) if *index < VIEW_PROPERTIES => self.describe(),
+            _ => format!("in files {}", self.describe()),
+        }
+    }
+
     /// Returns text that completes "every file …".
     pub fn describe(&self) -> String {
         match self {
@@ -88,7 +96,7 @@ impl FileScope {
                 let words = words.replace("{}", &format!("at {here} {bound}"));
                 match words == "with at most 0 records in one plane" {
                     true => "without side information".to_owned(),
-                    false => format!("{words} (other files: at {there} {other})"),
+                    false => format!("{words} (files without this problem: at {there} {other})"),
                 }
             }
         }
@@ -211,6 +219,6 @@ pub(super) fn separating_scope(
         formats.retain(|&one| explained.iter().any(|w| format(w) == one));
         return Some(FileScope::Formats(formats));
     }
-    let shared = shared_scope(witnesses, explained, refuting, false)?;
+    let shared = shared_scope(witnesses, explained, refuting, true)?;
     (shared.cases.len() == explained.len()).then_some(shared.scope)
 }

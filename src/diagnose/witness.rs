@@ -6,6 +6,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::stream_cache::decode_stream_cached;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
+use super::words::uniform::uniform_value;
 use crate::decode::{Alternative, decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::map_in_parallel;
@@ -236,6 +237,16 @@ impl Witness<'_> {
     pub fn is_image_of_legal_file(&self) -> bool {
         let is_image = matches!(self.observation.response, Response::Image { .. });
         is_image && self.case.expect == Expect::Decode
+    }
+
+    /// Returns true if all samples of the received image are equal, although those of the correct image are not.
+    pub fn is_blank_by_mistake(&self) -> bool {
+        let received = self.wrong_image().and_then(uniform_value);
+        let expected = match &self.expected {
+            Answer::Decoded(frame) => uniform_value(frame),
+            _ => None,
+        };
+        received.is_some() && expected.is_none()
     }
 
     /// Returns how well `answer` agrees with the response to a failing case.

@@ -43,8 +43,8 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         details.push((before, slug, ")", None));
     }
     let partly = match cause.partial.len() {
-        1 => "1 other failure is partly explained".to_owned(),
-        count => format!("{count} other failures are partly explained"),
+        1 => "1 other failure may have the same cause, at least in part".to_owned(),
+        count => format!("{count} other failures may have the same cause, at least in part"),
     };
     if !cause.partial.is_empty() {
         details.push((partly, "", "", None));

@@ -71,14 +71,14 @@ impl Phase {
             ],
             Phase::Stream => [
                 "shows wrong values, also in planes that are neither predicted nor corrected",
-                "decode the stream in the example with another JPEG or JPEG-LS decoder and compare the samples; try the test images of the standard",
+                "decode the stream in the example with another JPEG or JPEG-LS decoder; if the samples are equal, the mistake is in a later step",
             ],
             Phase::Prediction => [
                 "shows wrong values in predicted planes; planes that are not predicted are correct",
                 "compute the sample in the example by hand from the residual and the reference",
             ],
             Phase::Correction => [
-                "shows wrong values only at texels that side information corrects",
+                "shows wrong values only at texels that side information corrects, and in planes predicted from them",
                 "read the record in the example by hand, and check the bytes, the position and the value",
             ],
             Phase::StoredValue => [
@@ -93,6 +93,22 @@ impl Phase {
                 "shows wrong colors",
                 "compute the example by hand: final values first, then the polynomial, then the color",
             ],
+        }
+    }
+
+    /// Returns true if a mistake in this step can affect the file.
+    fn can_affect(self, witness: &Witness) -> bool {
+        let coded = witness.model().and_then(|model| model.compressed.as_ref());
+        let is_identity = |pair: &ScaleBias| pair.scale == [1.0; 6] && pair.bias == [0.0; 6];
+        let ptm = witness.decoded();
+        match self {
+            Phase::Prediction => coded.is_some_and(|coded| coded.plan.predicts()),
+            Phase::Correction => coded
+                .is_some_and(|coded| coded.planes.iter().any(|plane| !plane.records.is_empty())),
+            Phase::FinalValue => !ptm
+                .as_ref()
+                .is_ok_and(|ptm| is_identity(&ptm.header.scale_bias)),
+            _ => true,
         }
     }
 
@@ -128,27 +144,41 @@ impl Phase {
 pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagnosis> {
     let mut steps = search.par_map(left, |&w| first_difference(search, set, w));
     let format = |w: usize| search.witnesses[w].case.format();
-    // Wrong residuals explain wrong predicted planes if more files have wrong planes that are not predicted.
     for coding in [Coding::Jpeg, Coding::JpegLs] {
-        let mut in_coding: Vec<usize> = (0..left.len()).collect();
-        in_coding.retain(|&i| format(left[i]).coding() == Some(coding));
-        let count = |step| in_coding.iter().filter(|i| steps[**i] == step).count();
-        let streams = count(Phase::Stream);
-        let others = streams + count(Phase::Rearranged) + count(Phase::StoredValue);
-        if others > count(Phase::Prediction) {
-            in_coding.retain(|&i| steps[i] == Phase::Prediction);
-            let step = if streams > 0 {
+        let in_coding: Vec<usize> = (0..left.len())
+            .filter(|&i| format(left[i]).coding() == Some(coding))
+            .collect();
+        let count = |steps: &[Phase], wanted: &[Phase]| {
+            let is_wanted = |i: &&usize| wanted.contains(&steps[**i]);
+            in_coding.iter().filter(is_wanted).count()
+        };
+        let early = [Phase::Stream, Phase::Rearranged, Phase::StoredValue];
+        let has_streams = count(&steps, &[Phase::Stream]) > 0;
+        // A few images may differ only at corrected texels by chance.
+        if count(&steps, &early) + count(&steps, &[Phase::Prediction])
+            > count(&steps, &[Phase::Correction])
+        {
+            replace(
+                &mut steps,
+                &in_coding,
+                Phase::Correction,
+                Phase::StoredValue,
+            );
+        }
+        // Wrong residuals explain wrong predicted planes if more files have wrong planes that are not predicted.
+        if count(&steps, &early) > count(&steps, &[Phase::Prediction]) {
+            let step = if has_streams {
                 Phase::Stream
             } else {
                 Phase::StoredValue
             };
-            in_coding.into_iter().for_each(|i| steps[i] = step);
+            replace(&mut steps, &in_coding, Phase::Prediction, step);
         }
     }
     // If files without streams also have wrong values, the mistake is in a step after the streams.
     if steps.contains(&Phase::StoredValue) {
-        let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
-        streams.for_each(|step| *step = Phase::StoredValue);
+        let all: Vec<usize> = (0..left.len()).collect();
+        replace(&mut steps, &all, Phase::Stream, Phase::StoredValue);
     }
     let mut step_of: HashMap<usize, Phase> = left.iter().copied().zip(steps).collect();
     follow_earlier_steps(search, set, &mut step_of);
@@ -195,8 +225,17 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
     diagnoses
 }
 
+/// Replaces `old` with `new` in the steps at `indices`.
+fn replace(steps: &mut [Phase], indices: &[usize], old: Phase, new: Phase) {
+    for &i in indices {
+        if steps[i] == old {
+            steps[i] = new;
+        }
+    }
+}
+
 /// Attributes wrong final values and colors to a step of an earlier view if the earlier view has more than half as many
-/// unexplained wrong images as the later view. Images are counted in the same format, or in all formats with wrong images in the
+/// unexplained wrong images as the later view, and at least half its share of wrong images. Images are counted in the same format, or in all formats with wrong images in the
 /// earlier view. Images that are described elsewhere also count. [`Phase::Rearranged`] is used only if it applies to most wrong
 /// images of the format.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
@@ -206,12 +245,14 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
         witnesses[*w].is_image_of_legal_file()
             && steps.get(w).is_none_or(|step| *step >= Phase::Rearranged)
     });
-    let in_view = |view: ViewKind, formats: &[Format]| -> Vec<usize> {
+    let mut images: Vec<usize> = (0..witnesses.len()).collect();
+    images.retain(|&w| witnesses[w].is_image_of_legal_file());
+    let in_view = |all: &[usize], view: ViewKind, formats: &[Format]| -> Vec<usize> {
         let is_member = |w: &usize| {
             let witness = &witnesses[*w];
             witness.observation.view.kind() == view && formats.contains(&witness.case.format())
         };
-        open.iter().copied().filter(is_member).collect()
+        all.iter().copied().filter(is_member).collect()
     };
     for format in Format::ALL {
         let mut in_format: Vec<usize> = steps.keys().copied().collect();
@@ -230,20 +271,23 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
         ];
         for (view, earlier) in views {
             let explains = |earlier: &&ViewKind| {
-                let is_wrong =
-                    |format: &Format| in_view(**earlier, &[*format]).len() >= MIN_SHARING_FILES;
+                let is_wrong = |format: &Format| {
+                    in_view(&open, **earlier, &[*format]).len() >= MIN_SHARING_FILES
+                };
                 let formats: Vec<Format> = Format::ALL.into_iter().filter(is_wrong).collect();
                 let is_enough = |formats: &[Format]| {
-                    is_most(
-                        in_view(**earlier, formats).len(),
-                        in_view(view, formats).len(),
-                    )
+                    let before = in_view(&open, **earlier, formats).len();
+                    let after = in_view(&open, view, formats).len();
+                    let [all_before, all_after] =
+                        [**earlier, view].map(|view| in_view(&images, view, formats).len());
+                    is_most(before, after) && 2 * before * all_after >= after * all_before
                 };
                 formats.contains(&format) && (is_enough(&[format]) || is_enough(&formats))
             };
             let known = |w: &usize| steps.get(w).copied().unwrap_or(Phase::StoredValue);
             let first = earlier.iter().find(explains);
-            let first = first.and_then(|first| in_view(*first, &[format]).iter().map(known).max());
+            let first =
+                first.and_then(|first| in_view(&open, *first, &[format]).iter().map(known).max());
             let Some(first) = first else {
                 continue;
             };
@@ -251,7 +295,7 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
                 let witness = &witnesses[*w];
                 let is_member =
                     (witness.case.format(), witness.observation.view.kind()) == (format, view);
-                if is_member && *step >= Phase::FinalValue {
+                if is_member && *step >= Phase::FinalValue && first.can_affect(witness) {
                     *step = first;
                 }
             }
@@ -523,7 +567,16 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
         records.any(|&(position, _)| position as usize == stored)
     };
     let is_predicted = |plane: usize| coded.plan.reference(plane).is_some();
-    if pair.wrong_samples().iter().all(is_corrected) {
+    // Planes that are predicted from a wrong plane are no evidence.
+    let is_root = |plane: usize| {
+        coded
+            .plan
+            .reference(plane)
+            .is_none_or(|other| !wrong[other])
+    };
+    let mut samples = pair.wrong_samples();
+    samples.retain(|i| is_root(i % pair.channels));
+    if samples.iter().all(is_corrected) {
         Phase::Correction
     } else if (0..wrong.len()).all(|plane| !wrong[plane] || is_predicted(plane)) {
         Phase::Prediction

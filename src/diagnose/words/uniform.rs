@@ -82,7 +82,7 @@ fn find_uniform_images(witnesses: &[Witness], failing: &[usize]) -> Vec<(String,
 }
 
 /// Returns the value that all samples in an image share, if any.
-fn uniform_value(frame: &Frame) -> Option<f32> {
+pub(in crate::diagnose) fn uniform_value(frame: &Frame) -> Option<f32> {
     fn uniform<T: Copy + PartialEq + Into<f32>>(samples: &[T]) -> Option<f32> {
         let first = *samples.first()?;
         let is_equal = samples.iter().all(|&sample| sample == first);

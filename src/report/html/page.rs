@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::report::document::{CaseResult, Report};
 use crate::report::html::cases::{evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
-use crate::report::html::shell::{link, mark, complete_page, verdict_mark};
+use crate::report::html::shell::{complete_page, link, mark, verdict_mark};
 use crate::report::html::{clause_map, scene};
 use crate::report::reported::Reportable;
 use crate::session::{lit_scene::LitScene, outcome::Outcome, run::Run, scores::Fraction};

@@ -32,7 +32,11 @@ pub struct ProbeStep {
 
 impl ProbeStep {
     /// Creates a step for a fault in `subject`, with instructions to reproduce the fault.
-    pub(super) fn bad(subject: &dyn Display, fault: ProbeFault, reproduction: Reproduction) -> ProbeStep {
+    pub(super) fn bad(
+        subject: &dyn Display,
+        fault: ProbeFault,
+        reproduction: Reproduction,
+    ) -> ProbeStep {
         ProbeStep {
             mark: Mark::Bad,
             message: format!("{subject}: {}", fault.0),
@@ -137,7 +141,8 @@ impl Checklist {
         fault: ProbeFault,
         reproduction: Reproduction,
     ) {
-        self.steps.push(ProbeStep::bad(subject, fault, reproduction));
+        self.steps
+            .push(ProbeStep::bad(subject, fault, reproduction));
     }
 
     pub(crate) fn add_absent(&mut self, message: impl Into<String>) {

@@ -139,7 +139,9 @@ pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &m
             Some(_) if asked.rank()[0] => judge_views(&asked, list),
             Some((view, reply)) => {
                 let reproduction = || (Vec::new(), asked.sample.reproduction(view));
-                let same = failed.entry(reply.answer.describe()).or_insert_with(reproduction);
+                let same = failed
+                    .entry(reply.answer.describe())
+                    .or_insert_with(reproduction);
                 same.0.push(name);
             }
         }
@@ -248,7 +250,11 @@ pub(super) fn request_unknown_view(calls: &Calls, sample: &Sample, list: &mut Ch
         Answer::Decoded(_) => fault("unknown-view-shown", &[]),
         answer => fault("unknown-view", &[("answer", &answer.describe())]),
     };
-    list.add_fault(&"an unknown view", fault, sample.reproduction(&UNKNOWN_VIEW));
+    list.add_fault(
+        &"an unknown view",
+        fault,
+        sample.reproduction(&UNKNOWN_VIEW),
+    );
 }
 
 pub(super) fn request_capabilities(calls: &Calls, list: &mut Checklist) {

@@ -32,7 +32,11 @@ pub(super) fn probe_serve_mode(calls: &Calls, first: &FileReplies, list: &mut Ch
         }
         Err(Some((count, fault))) => {
             // Reproduce the dialog up to the fault.
-            let whole = first.sample.reproduction(&first.replies[0].0).requests.remove(0);
+            let whole = first
+                .sample
+                .reproduction(&first.replies[0].0)
+                .requests
+                .remove(0);
             let malformed = ProbeRequest {
                 file_name: "malformed.ptm".to_owned(),
                 file: MALFORMED.to_vec(),

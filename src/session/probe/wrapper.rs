@@ -181,5 +181,9 @@ fn check_refusals(calls: &Calls, first: &FirstReply, jobs: usize) -> Option<Prob
     let (subject, file_name, file) = files[0];
     let subject = format!("{subject}, and other malformed files");
     let reproduction = Reproduction::one_shot(first.view, file_name, file);
-    Some(ProbeStep::bad(&subject, refusal_fault(&replies[0]), reproduction))
+    Some(ProbeStep::bad(
+        &subject,
+        refusal_fault(&replies[0]),
+        reproduction,
+    ))
 }
