@@ -147,7 +147,7 @@ enumerants! {
     Frequency ["PEXTMSampleFrequency"] {
         /// At every pixel.
         Pixel,
-        /// As often as the reflectance calculation.
+        /// As often as the reflectance calculation is performed.
         InterpDep,
     }
 }
@@ -200,7 +200,7 @@ pub struct Shade {
 pub(crate) struct Terms<'a> {
     /// C and A: color and alpha of the primitive.
     pub input: Shade,
-    /// W: light on a white surface, or white.
+    /// W: light on a white surface in the split form, or white in the direct form.
     pub white: Color,
     /// T: color of the map.
     pub color: Color,

@@ -1,10 +1,10 @@
-//! Sampling controls: sampling a map at given coordinates and depth.
+//! Sampling controls: samples a map at given coordinates and at a given depth.
 //!
 //! There are six methods. They use the closest texel or a weighted average of the closest 2ⁿ texels, in the base level, in
 //! the closest level, or in the two closest levels with interpolation by depth (R-SMP-04 … R-SMP-11).
 //!
 //! Format notes
-//! - n is the number of dimensions of the map. "2n" in the chapter is 2ⁿ without its superscript.
+//! - n is the number of dimensions of the map. "2n" in the chapter stands for 2ⁿ.
 //! - Texel k of N covers k/N to (k + 1)/N (ruling `texel-grid`). On the border between two texels, the one with the higher
 //!   index counts as the closest (ruling `texel-tie`).
 //! - A depth at or beyond the first or last level selects that level, without interpolation (R-SMP-09, R-SMP-11).
@@ -14,7 +14,7 @@ use super::entry::{Boundary, Entry, SampleMethod, Vector};
 use super::map::{CellPair, Level, Texel, TextureMap};
 use super::{primitive::MapValue, rules::Rules};
 
-/// Samples `map` at `t` and `depth` with the method of the entry for magnified or minified maps.
+/// Samples `map` at `t` and `depth` with the method that the entry specifies for magnified or minified maps.
 #[must_use]
 pub fn fetch(
     entry: &Entry,

@@ -27,7 +27,8 @@ pub fn select(surface: &Surface, rules: &Rules) -> Selection {
     }
 }
 
-/// Returns true if the facet uses the style and list of the back: it is back-facing, and facets are distinguished (R-SEL-02).
+/// Returns true if the facet uses the separate style and list for back-facing facets. This requires that the facet is back-facing
+/// and that facets are distinguished (R-SEL-02).
 pub(crate) fn uses_back(surface: &Surface) -> bool {
     surface.facet_distinguish && surface.back_facing
 }

@@ -1,11 +1,12 @@
 //! Converts a map to another format. The generator writes the result, which is then read back and compared.
 //!
-//! Conversion is lossless or refused with a reason; a map is never changed to fit. The exceptions are JPEG, whose loss
-//! depends on the quality, and near-lossless JPEG-LS, on request.
+//! A conversion is either lossless or refused with a reason. A map is never changed to fit the target format. The exceptions are
+//! JPEG, whose loss depends on the quality, and near-lossless JPEG-LS, on request.
 //!
 //! Format notes
-//! - A color of LRGB is polynomial · color / 255. RGB converts to LRGB if the three polynomials of each texel are multiples of a
-//!   common polynomial. LRGB converts to RGB if each product divided by 255 is an integer that, plus its bias, fits in a byte.
+//! - In LRGB, each final color value is the product of a polynomial and a stored color, divided by 255. RGB converts to LRGB if
+//!   the three polynomials of each texel are multiples of a common polynomial. LRGB converts to RGB if each product divided by
+//!   255 is an integer that, plus its bias, fits in a byte.
 //! - The colors of LUM depend on three open questions, so LUM is not converted to any other format.
 
 use crate::decode::decode;
@@ -125,7 +126,8 @@ const NOT_A_BYTE: &str =
 /// Maximum absolute value of a bias. Products of two such biases fit in an `i64`.
 const MAX_ABSOLUTE_BIAS: f64 = 1e9;
 
-/// Conversion of a texel, given the biases and one flag per coefficient: true if its scale is not 0.
+/// Conversion of a texel, given the biases and one flag per coefficient. The flag is true if the scale of the coefficient is not
+/// 0.
 type TexelRule = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
 /// Converts every texel between RGB and LRGB, or reports the first texel that the target cannot represent.

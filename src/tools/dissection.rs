@@ -153,7 +153,7 @@ impl<'a> Dissection<'a> {
         self.part(role).map_or(0, |part| part.offset)
     }
 
-    /// Returns the number of planes of a compressed file, or 0 for other formats.
+    /// Returns the number of planes if the file is compressed, or 0 otherwise.
     #[must_use]
     pub fn compressed_planes(&self) -> usize {
         let format = self.format.filter(|format| format.coding().is_some());

@@ -46,7 +46,7 @@ pub struct Inspection {
     pub rest: Option<Rest>,
 }
 
-/// Error at which decoding ended.
+/// Error that ended decoding.
 #[derive(Debug, Serialize)]
 pub struct Fault {
     /// Offset of the error.
@@ -282,7 +282,8 @@ impl Inspection {
 }
 
 impl Fault {
-    /// Returns true if this line contains the byte or the compressed plane of the fault. The fault is displayed after the line.
+    /// Returns true if `line` contains the byte at which the error occurred, or the compressed plane that caused the error. The
+    /// fault is displayed after this line.
     fn is_in(&self, line: &[FilePart]) -> bool {
         let (start, end) = (line[0].offset, line[line.len() - 1].range().end);
         match self.kind {

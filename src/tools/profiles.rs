@@ -28,7 +28,8 @@ pub enum Profile {
     Minimal,
     /// Every file up to 64 KiB, with stored values as arrays and images, and the preferred view of each case.
     Standard,
-    /// Every file, including tables of 65,536 entries, with every view of every case, and final coefficients also as EXR.
+    /// Every file, including files with tables of 65,536 entries. Every view of every case is included, and final coefficients
+    /// are also stored as EXR.
     Exhaustive,
 }
 

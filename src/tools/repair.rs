@@ -179,8 +179,9 @@ impl<'a> LenientHeader<'a> {
     }
 }
 
-/// Returns true if the bytes after `end` may be values: table indices (any bytes), whole texels or records of side information,
-/// or values that are displaced because the payload seems to begin with whitespace of the header.
+/// Returns true if the bytes after `end` may be values. In a file with a table, any bytes may be indices. In a compressed file,
+/// the bytes may be whole records of side information. In other files, they may be whole texels, or values that were displaced
+/// because the payload seems to begin with header whitespace.
 fn may_be_values(bytes: &[u8], end: usize) -> bool {
     let Ok(Ptm { header, .. }) = decode(bytes) else {
         return false;

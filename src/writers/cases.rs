@@ -21,7 +21,7 @@ use crate::writers::{diagnose::diagnose, fault::WriterFault, judge::judge};
 /// YAML source of the embedded requests.
 const REQUESTS: &str = include_str!("../../spec-cases/writers/requests.yaml");
 
-/// Request to a writer. Its values are the requested contents of the file.
+/// Case of the writer suite: a request whose values are the requested contents of the file.
 pub type WriterCase = FileCase<Recipe>;
 
 /// Request as written in YAML. With `for_each`, it expands to one case for every combination of the listed words.
@@ -46,7 +46,7 @@ impl Suite<WriterCase> {
     /// Loads the embedded suite of requests.
     ///
     /// # Errors
-    /// Returns a message that names the line or the request with the error.
+    /// Returns a message that names the invalid line or request.
     pub fn load_writer_requests() -> Result<Suite<WriterCase>, String> {
         let records = records(REQUESTS).map_err(|error| format!("requests.yaml: {error}"))?;
         let mut cases: Vec<WriterCase> = Vec::new();

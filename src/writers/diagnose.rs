@@ -1,4 +1,4 @@
-//! Finds mistakes that explain the wrong files of a writer.
+//! Finds mistakes that explain why files from a writer are wrong.
 //!
 //! A mistake explains a wrong file if only a reader with this mistake sees the right values in the file, or if the file contains
 //! the values that this reader sees in the reference's file. A correct file contradicts the mistake if this reader misreads the
@@ -33,7 +33,8 @@ const PAIR_SEARCH_FILES: usize = 4;
 /// Diagnosed cause of a writer's failures.
 type WriterDiagnosis = Diagnosis<&'static Misreading>;
 
-/// Request, and the wrong file that was written for it, or else the file of the reference.
+/// Request with two files: the file that the reference writes, and the file to examine. The file to examine is the wrong file
+/// that was written for the request, or else a copy of the file from the reference.
 struct Attempt {
     request: WriteRequest,
     /// File that the reference writes.

@@ -19,7 +19,7 @@ use crate::writers::{fault::WriterFault, request::WriteRequest};
 /// Additional tolerance per sample for rounding in the integer transforms of the encoder and the decoder.
 const ROUNDING_TOLERANCE: f64 = 1.0;
 
-/// Returns true if the samples equal the requested samples up to the loss of the format. Ignores side information.
+/// Returns true if the samples differ from the requested samples by no more than the format allows. Ignores side information.
 pub(super) fn matches_within_loss(request: &WriteRequest, decoded: &[u8]) -> bool {
     match request.is_lossy() {
         true => check(request, decoded, |_| &[]).is_ok(),

@@ -36,7 +36,7 @@ pub fn explains(request: &WriteRequest, right: &[u8], file: &[u8], mistake: &Mis
     is_right_only_with(request, file, &[mistake]) || contains_misread_values(right, file, mistake)
 }
 
-/// Returns true if a reader sees the right values in `file` with these mistakes but not without them.
+/// Returns true if a reader with these mistakes sees the right values in `file`, but a reader without them does not.
 pub fn is_right_only_with(request: &WriteRequest, file: &[u8], mistakes: &[&Misreading]) -> bool {
     requires_mistakes(file, mistakes, |seen| seen.is_right(request))
 }
@@ -103,7 +103,8 @@ impl MisreadFile {
         })
     }
 
-    /// Returns true if the values equal those of `request`: stored values, or derived values if a mistake takes effect later.
+    /// Returns true if this reader sees the values of `request`: the stored values and, depending on the stage, the header
+    /// numbers or the derived values.
     pub fn is_right(&self, request: &WriteRequest) -> bool {
         self.ptm.header.format == request.format
             && self.ptm.planes.samples.len() == request.samples.len()
@@ -181,7 +182,7 @@ impl MisreadFile {
     }
 }
 
-/// Returns true if scales, biases and matrix are equal within [`NUMBER_TOLERANCE`](super::judge::NUMBER_TOLERANCE).
+/// Returns true if the scales, the biases and the matrices are equal within [`NUMBER_TOLERANCE`](super::judge::NUMBER_TOLERANCE).
 fn equal_header_numbers(found: &Ptm, wanted: &Ptm) -> bool {
     let numbers = |ptm: &Ptm| {
         let mut numbers = [ptm.header.scale_bias.scale, ptm.header.scale_bias.bias].concat();

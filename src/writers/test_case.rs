@@ -100,7 +100,7 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     /// Returns the embedded suite.
     ///
     /// # Errors
-    /// Returns a message that names the line or the request with the error.
+    /// Returns a message that names the invalid line or request.
     fn suite() -> Result<Suite<FileCase<Self>>, String>;
     /// Returns the number of distinct polynomials for formats with a table, or `None` for other formats.
     fn entries(&self) -> Option<u32> {
@@ -110,7 +110,7 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     fn build(&self, format: Format) -> BuiltRequest<Self::Request>;
     /// Returns the files that the request refers to, directly or indirectly.
     fn attachments(built: &BuiltRequest<Self::Request>) -> Vec<Attachment>;
-    /// Returns the values that a template can refer to, other than format and size.
+    /// Returns the values that a template can refer to, other than the format and the size.
     #[must_use]
     fn template_values(_: &Self::Request) -> Vec<(&'static str, String)> {
         Vec::new()
@@ -132,7 +132,7 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     ) -> Vec<Diagnosis<&'static Misreading>>;
 }
 
-/// Returns the wrong file in an observation and its fault, if there is one.
+/// Returns the wrong file in an observation and the fault of this file. Returns `None` if there is no wrong file.
 pub(super) fn wrong_file<V: RequestValues>(
     observation: Option<&Observation<FileCase<V>>>,
 ) -> Option<(&[u8], &WriterFault)> {

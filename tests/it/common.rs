@@ -153,7 +153,7 @@ pub fn wait_until(seconds: u64, condition: impl Fn() -> bool) -> bool {
     true
 }
 
-/// Returns the ids and command lines of the processes whose command line and environment match.
+/// Returns the ids and command lines of the processes for which `matches` is true, given the command line and the environment.
 pub fn processes(matches: impl Fn(&str, &str) -> bool) -> Vec<(String, String)> {
     let read = |path: PathBuf| {
         let text = fs::read(path).unwrap_or_default();
@@ -177,7 +177,7 @@ pub fn have_proc() -> bool {
     exists
 }
 
-/// Result of a `check`.
+/// Result of running `check` or `check-writer`.
 pub struct CheckRun {
     /// Exit status.
     pub status: i32,
@@ -205,7 +205,7 @@ impl CheckRun {
         assert_contains(&self.text, parts);
     }
 
-    /// Returns the entry of the report for a case, or null.
+    /// Returns the entry for a case in the report, or null if there is none.
     pub fn case(&self, id: &str) -> &Value {
         let mut cases = self.report["cases"].as_array().into_iter().flatten();
         cases.find(|case| case["id"] == id).unwrap_or(&Value::Null)
@@ -251,7 +251,8 @@ pub fn check_writer(line: &str) -> CheckRun {
     Workspace::new().check_writer(line)
 }
 
-/// Runs a `check` that writes its report to `report`. Also returns the peak memory in KiB, or 0 without /proc.
+/// Runs a `check` command that writes its report to `report`. Returns the result and the peak memory in KiB. The peak memory is 0
+/// if /proc is not available.
 pub fn run_measured(mut command: Command, report: &Path) -> (CheckRun, u64) {
     let mut child = command
         .stdout(Stdio::piped())

@@ -1,6 +1,6 @@
 //! Tables of test data, written as text.
 
-/// Reads a table with one row per line. Cells are separated by `|` between spaces.
+/// Reads a table with one row per line. Cells are separated by a `|` that has a space on each side.
 ///
 /// An indented line continues the row above it, and `↵` represents a line feed.
 #[track_caller]

@@ -16,7 +16,7 @@ pub fn head<'a>(readers: impl Iterator<Item = &'a str>) -> String {
     join_cells(file_columns.chain(reader_columns))
 }
 
-/// Returns the row for a file, with the predictions for `readers` readers.
+/// Returns the row for a file, including its predictions. `readers` is the number of readers.
 #[must_use]
 pub fn row(lint: &Lint, readers: usize) -> String {
     let number = |number: Option<u64>| number.map(|number| number.to_string()).unwrap_or_default();

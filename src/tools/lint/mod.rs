@@ -1,4 +1,5 @@
-//! Lint for PTM files: errors, problems that some readers may have with a file, and fixes for its writer.
+//! Lint for PTM files: reports errors, problems that some readers may have with a file, and suggested fixes for the program that
+//! wrote the file.
 //!
 //! Errors reported by the reference are mapped to stable [`codes`]. If a compressed plane is malformed, the errors of all planes are
 //! reported. Warnings and informational findings concern the spelling, the values and the streams of a file, and alternative
@@ -49,7 +50,7 @@ pub struct Lint {
     /// Size of the file in bytes, if known.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bytes: Option<u64>,
-    /// Reason why the file was not read, if it was not.
+    /// Reason why the file was not read; `None` if it was read or if no reason is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// Number of errors.

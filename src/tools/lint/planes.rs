@@ -185,7 +185,8 @@ fn check_duplicate_records(findings: &mut Findings, plane: usize) {
     }
 }
 
-/// Reports texels of predicted JPEG planes that are so close to 0 or 255 that another inverse DCT may wrap them around.
+/// Reports texels of predicted JPEG planes that are so close to 0 or 255 that they may wrap around in a decoder with a different
+/// inverse DCT.
 ///
 /// An inverse DCT may be off by one in every plane of a prediction chain, except in constant blocks, for which all decoders
 /// agree. Texels that a record corrects are exact.

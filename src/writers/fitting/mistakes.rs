@@ -42,7 +42,8 @@ enum Criterion {
     Photographs(fn(&mut ImageSet)),
     /// The map is near the best fit under lights with these directions.
     Lights(fn(&Photograph) -> [f64; 2]),
-    /// The map is right if its coefficients are read in this order and computed with this function of raw value, scale and bias.
+    /// The map is right if its coefficients are read in this order and computed with this function of the raw value, the scale
+    /// and the bias.
     Numbers([usize; 6], fn(f64, f64, f64) -> f64),
     /// The map satisfies this predicate.
     Map(fn(&WrongMap) -> bool),

@@ -5,9 +5,9 @@
 //! ```
 //!
 //! REQUEST names the format and an `.lp` file, which contains the number of images and the name and light direction of each
-//! image. The suite compares the fitted map with the least-squares [`optimum`] for the same images, light by light. It does
-//! not compare the bytes of the files ([`judge`]). Mistakes are found by reproducing them: a fitter makes a mistake if its
-//! map is near the optimum with that mistake (`mistakes`).
+//! image. The suite compares the fitted map with the least-squares [`optimum`] for the same images, light by light. It does not
+//! compare the bytes of the files ([`judge`]). Mistakes are found by reproducing them: a fitter is assumed to make a mistake if
+//! its map is near the optimum that results from this mistake (`mistakes`).
 
 mod algebra;
 #[cfg(unix)]

@@ -100,7 +100,8 @@ impl FittedMap {
     }
 }
 
-/// Approximates three polynomials as the product of a luminance polynomial and a color that is optimal under `lights`.
+/// Approximates three polynomials as the product of a luminance polynomial and a color. The color is chosen to be optimal under
+/// `lights`.
 fn factor_color(channels: &[[f64; 6]; 3], lights: &[[f64; 2]]) -> ([f64; 6], [u8; 3]) {
     let value = |channel: usize, [u, v]: [f64; 2]| polynomial(&channels[channel], u, v);
     let product = |i: usize, j: usize| -> f64 {

@@ -29,9 +29,10 @@ pub struct FitRequest {
 /// Photograph and its light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Photograph {
-    /// File name in the `.lp` file.
+    /// File name, as listed in the `.lp` file.
     pub name: String,
-    /// Vector to the light as listed: right, up, toward the camera. Its length is arbitrary.
+    /// Vector to the light, as listed in the `.lp` file. Its components point right, up, and toward the camera. Its length is
+    /// arbitrary.
     pub light: [f64; 3],
     /// Red, green and blue of each pixel, top row first.
     pub pixels: Vec<u8>,

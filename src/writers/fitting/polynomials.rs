@@ -4,7 +4,8 @@ use crate::evaluate::{clamp, modulate, polynomial};
 use crate::ptm::{Ptm, Shape};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
 
-/// Final coefficients of red, green and blue for each texel, top row first. For LRGB, they are those of luminance times color.
+/// Final coefficients of red, green and blue for each texel, top row first. For LRGB, each polynomial is the luminance polynomial
+/// multiplied by the color.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Polynomials(pub Vec<[[f64; 6]; 3]>);
 
@@ -16,8 +17,8 @@ impl Polynomials {
         Polynomials::with_values(ptm, [0, 1, 2, 3, 4, 5], value)
     }
 
-    /// Returns the polynomials of a map whose coefficient `i` is stored at index `order[i]` and computed by `value` from
-    /// raw value, scale and bias.
+    /// Returns the polynomials of a map whose coefficient `i` is stored at index `order[i]` and computed by `value` from the raw
+    /// value, the scale and the bias.
     pub(super) fn with_values(
         ptm: &Ptm,
         order: [usize; 6],

@@ -29,7 +29,7 @@ const JPEG: Codec = (
     ],
 );
 
-/// The smallest JPEG-LS stream: a run of four zero samples, which is coded as four one bits.
+/// The smallest JPEG-LS stream: a run of four zero samples, which is coded as four 1 bits.
 const JPEG_LS: Codec = (
     jpeg_ls::decode,
     &[
@@ -162,9 +162,9 @@ SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F0 SOS 07 EOI | byte 138: a run of zero
 SOI DQT SOF DHT0 FF C4 00 14 10 01 00*15 F1 SOS 2A EOI | byte 139: a run of zeros extends past the end of the block
 ";
 
-/// Streams with two blocks. In all rows but the last, DC code 00 means no difference, and 01 a difference of four bits.
-/// 01 1000 0 | 01 1000 0 gives the values 8 and 16, which the transform divides by 8. After a restart marker, the second
-/// value is 8 again. In the last row, both differences are 2047.
+/// Streams with two blocks. In all rows but the last, DC code 00 means no difference, and 01 means a difference of four bits. 01
+/// 1000 0 | 01 1000 0 gives the values 8 and 16, which the transform divides by 8. After a restart marker, the second value is 8
+/// again. In the last row, both differences are 2047.
 const JPEG_BLOCKS: &str = "
 SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 SOS 60 C3 EOI | 81*8 82*8
 SOI DQT WIDE FF C4 00 15 00 00 02 00*14 00 04 DHT1 FF DD 00 04 00 01 SOS 61 FF D0 61 EOI | 81
@@ -204,7 +204,8 @@ SOI FF F7 00 0B 08 00 01 00 04 01 01 42 00 SOS DATA EOI | 00
 SOI SOF SOS F7 EOI | 00
 ";
 
-/// Invalid streams. In the last row, an empty run, 22 zeros, a one and 1111 1111 encode the mapped error 256, which is too large.
+/// Invalid streams. In the last row, an empty run, 22 zero bits, a one bit and the bits 1111 1111 encode the mapped error 256,
+/// which is too large.
 const JPEG_LS_ERRORS: &str = "
  | byte 0: the stream is empty
 D8 FF | byte 0: the stream does not start with SOI (bytes FF D8)

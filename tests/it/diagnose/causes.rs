@@ -282,7 +282,8 @@ fn describe_result(mistakes: &[&'static Misreading], count: usize, found: &[Diag
 const HIDDEN_BY_LINE_FEED: &str = "lut-formats-swapped table-not-read table-padded-to-256 table-one-entry-short \
     table-separated width-always-two index-one-based";
 
-/// Checks every `step`th misreading, starting at `first`: a decoder that makes it must fail, and the first cause must name it.
+/// Checks every `step`th misreading, starting at `first`: a decoder with this misreading must fail, and the first cause must name
+/// the misreading.
 fn check_every_misreading(
     (first, step): (usize, usize),
     suite: &Suite,

@@ -44,7 +44,7 @@ struct SourceMistake {
 #[derive(Deserialize)]
 struct Forbidden {
     effect: String,
-    /// Part of the scope or of the example, if the effect alone is not false.
+    /// Part of the scope or of the example. It is needed if the effect alone does not make the statement false.
     #[serde(default, rename = "and")]
     context: String,
 }

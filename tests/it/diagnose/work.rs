@@ -41,7 +41,7 @@ fn constant_image(request: &Request) -> Answer {
     Answer::Decoded(frame)
 }
 
-/// Returns the answer of a decoder that truncates width and height to eight bits.
+/// Returns the answer of a decoder that truncates the width and the height to eight bits.
 fn with_sizes_in_bytes(request: &Request) -> Answer {
     let text = String::from_utf8_lossy(request.file);
     let mut tokens = text.split_ascii_whitespace().skip(2);

@@ -243,7 +243,7 @@ fn badge_shows_three_scores_in_140_pixels() {
     }
 }
 
-/// Every failing case has a command that repeats it, and a download link if its file is small.
+/// Every failing case has a command that reruns the case and, if the file is small, a download link.
 #[test]
 fn failing_cases_have_a_file_and_a_command() {
     let (suite, run, report) = run_upside_down();

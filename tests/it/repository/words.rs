@@ -1,4 +1,4 @@
-//! Searches comments and documents for words and openings that the style guide replaces, and lists all messages.
+//! Searches comments and documents for words and openings that the style guide does not allow, and lists all messages.
 
 use std::fmt::Write;
 use std::fs;
@@ -12,7 +12,7 @@ use super::tidy::{sources, visit_tokens};
 /// Openings that comments must not have: a comment starts with a noun phrase or a verb.
 const OPENINGS: &str = "What|How|Where|Which|Who|Whose|Whether|Those of|The same|…";
 
-/// Words and phrases that the style guide replaces.
+/// Words and phrases that the style guide does not allow.
 const WORDS: &str = "all the same|as ever|at the least|behaviour|behind|beside|besides|by the clock|catalogue|centre|colour|\
                      comes to|is told|licence|looked at here|neighbour|of its own|of their own|that is none|told apart|\
                      which is none";

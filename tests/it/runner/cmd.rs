@@ -1,4 +1,4 @@
-//! Tests programs that do not implement the protocol and are called with a template.
+//! Tests programs that do not implement the protocol and are called through a command-line template.
 
 use crate::common::{CheckRun, PROGRAM, Workspace, assert_contains, rows, run_measured};
 

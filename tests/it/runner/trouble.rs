@@ -11,7 +11,7 @@ use crate::common::{PROGRAM, Workspace, have_proc, outcome, zoo};
 /// Options that select a few small cases.
 const FEW_CASES: &str = "--case hand-* --case header-plain-*";
 
-/// Checks a correct decoder from a shell, after the commands `before` and with the program started by `wrapper`.
+/// Checks a correct decoder from a shell. The commands in `before` run first, and `wrapper` starts the program.
 fn check(before: &str, wrapper: &str, options: &str) -> (i32, String) {
     let here = Workspace::new();
     let open = std::os::unix::fs::PermissionsExt::from_mode(0o777);

@@ -5,7 +5,7 @@ use std::process::Command;
 use crate::common::{CheckRun, Workspace, have_tool, program, repository, stdout};
 use crate::table::rows;
 
-/// Creates a workspace with the compiled C decoder `ptm_decoder`, or returns `None` without a compiler.
+/// Creates a workspace with the compiled C decoder `ptm_decoder`. Returns `None` if there is no compiler.
 fn workspace_with_c_decoder() -> Option<Workspace> {
     let here = Workspace::new();
     let flags = "-std=c99 -pedantic -Wall -Wextra -Werror -O1 -o ptm_decoder";

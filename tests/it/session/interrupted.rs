@@ -1,4 +1,4 @@
-//! Killed runs lose no results and leave no processes. Long runs do not use more memory.
+//! Killed runs lose no results and leave no processes running. Long runs do not use more memory than short runs.
 
 use std::collections::HashSet;
 use std::fs;
@@ -158,7 +158,7 @@ fn number_in(file: &str, word: &str) -> u64 {
     number.unwrap_or_default()
 }
 
-/// Repeats the suite under new names until it has `count` cases.
+/// Returns a suite of `count` cases. The cases of the embedded suite are repeated with new ids as often as necessary.
 fn long_suite(count: usize) -> Suite {
     let suite = Suite::load().expect("the suite loads");
     let copy = |i: usize| {

@@ -249,7 +249,7 @@ fn wrong_refusals_are_explained() {
     );
 }
 
-/// The first decoder refuses eight formats with 65; the second shows a wrong image in one view of a format.
+/// The first decoder refuses eight formats with exit status 65. The second decoder exits with 1 in one view of a format.
 #[test]
 fn faults_in_other_formats_are_found() {
     assert_scripts_probed(

@@ -13,7 +13,7 @@ use ptm_conform::suite::cases::{Case, Expect, Suite};
 use crate::common::repository_text;
 use crate::in_process::{self, reference_answer, suite};
 
-/// Runs the suite against a decoder whose answers depend on the case. It answers correctly if `decoder` returns `None`.
+/// Runs the suite against a decoder whose answers depend on the case. The answer is correct if `decoder` returns `None`.
 fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Case) -> Option<Answer> + Sync) -> Run {
     in_process::run(suite, plan, |request| {
         let case = suite.case(request.name).expect("the case exists");

@@ -20,7 +20,7 @@ fn text(file: &SiteFile) -> &str {
     std::str::from_utf8(&file.bytes).expect("UTF-8")
 }
 
-/// Returns the values of an attribute, in the order of the page.
+/// Returns the values of an attribute, in the order in which they occur on the page.
 fn values<'a>(page: &'a str, attribute: &str) -> Vec<&'a str> {
     let start = format!(" {attribute}=\"");
     let pieces = page.split(start.as_str()).skip(1);

@@ -1,4 +1,4 @@
-//! Properties of every texture map, entry and light.
+//! Tests properties that hold for every texture map, entry and light.
 
 use proptest::prelude::*;
 use proptest::sample::select;

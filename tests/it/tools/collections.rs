@@ -1,4 +1,5 @@
-//! Tests of `lint` on collections: one row per file in every format, bounded memory, and no partial rows if `lint` is killed.
+//! Tests of `lint` on collections: one row per file in every output format, bounded memory, and no partial rows if `lint` is
+//! killed.
 
 use std::ffi::OsStr;
 use std::fs::{self, File};
@@ -81,7 +82,7 @@ fn memory_does_not_grow_with_the_number_of_files() {
     assert!(many < few + 8 * 1024, "{few} KiB, then {many} KiB");
 }
 
-/// Copies files of the corpus repeatedly and returns their paths.
+/// Creates the given number of copies of corpus files and returns the paths of the copies.
 fn copy_corpus(here: &Workspace, files: usize) -> Vec<PathBuf> {
     let pattern = repository("corpus/*/*.ptm");
     let originals = glob::glob(&pattern).expect("a pattern").flatten();

@@ -73,7 +73,7 @@ fn signatures_match_exactly_the_legal_files() {
     }
 }
 
-/// Returns the number of files that `file` identifies as a PTM, using only our signature.
+/// Returns the number of files that the `file` command identifies as PTMs when it uses only our signature.
 fn count_ptms(here: &Workspace, files: &[PathBuf]) -> usize {
     let names = files.iter().map(|path| format!("{}\n", path.display()));
     let list = here.write("list", names.collect::<String>());

@@ -72,7 +72,8 @@ impl Requests {
         }
     }
 
-    /// Counts the mistakes that are caught, named as the first cause, and named as the first cause or one of its equivalents.
+    /// Returns three counts of mistakes: those that are caught, those that are named as the first cause, and those that are named
+    /// as the first cause or as one of its equivalents.
     fn count_named(&self, mistakes: &[&'static WriterMistake]) -> (usize, usize, usize) {
         let (mut caught, mut first, mut matched) = (0, 0, 0);
         for mistake in mistakes {
