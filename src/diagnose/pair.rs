@@ -63,8 +63,11 @@ impl ImagePair {
 /// Returns a fraction of [`PARTIAL_IMAGE_SCORE`] proportional to the share of wrong channels that `answer` reproduces. Returns 0
 /// if the answer differs from the response in a correct channel.
 pub(super) fn partial_credit(witness: &Witness, answer: &Answer) -> i64 {
+    let received = witness
+        .wrong_image()
+        .filter(|_| !witness.is_blank_by_mistake());
     let (Some(received), Answer::Decoded(right), Answer::Decoded(made)) =
-        (witness.wrong_image(), &witness.expected, answer)
+        (received, &witness.expected, answer)
     else {
         return 0;
     };

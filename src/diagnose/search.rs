@@ -544,8 +544,6 @@ impl<'a> Search<'a> {
         );
         if witness.failed {
             match witness.agreement(answer) {
-                // Many mistakes produce a black image.
-                Agreement::Image if witness.is_blank_by_mistake() => 0,
                 Agreement::None => partial_credit(witness, answer),
                 agreement => agreement_score(agreement),
             }

@@ -239,7 +239,8 @@ impl Witness<'_> {
         is_image && self.case.expect == Expect::Decode
     }
 
-    /// Returns true if all samples of the received image are equal, although those of the correct image are not.
+    /// Returns true if all samples of the received image are equal, although those of the correct image are not. Many mistakes
+    /// produce such an image.
     pub fn is_blank_by_mistake(&self) -> bool {
         let received = self.wrong_image().and_then(uniform_value);
         let expected = match &self.expected {
@@ -262,7 +263,8 @@ impl Witness<'_> {
                 Answer::Decoded(image),
             ) if equal_up_to_rounding(actual, image)
                 && (!self.equals_reference(image) || self.is_closer_to_response(image, actual))
-                && self.is_significant_match(image, actual) =>
+                && self.is_significant_match(image, actual)
+                && !self.is_blank_by_mistake() =>
             {
                 Agreement::Image
             }
