@@ -39,7 +39,6 @@ impl RelitImage {
     }
 }
 
-/// Computes the final coefficients from planes.
 pub(crate) fn compute_coefficients(
     scale_bias: &ScaleBias,
     planes: &Planes,

@@ -145,7 +145,6 @@ fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
     }
 }
 
-/// Prints the commands that reproduce the faults in the wrapper.
 fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     if args.cmd.is_some() {
         return;
@@ -199,7 +198,6 @@ fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
     Err(format!("{option} works only with --suite ptm"))
 }
 
-/// Returns a plan that selects all cases.
 fn plan(args: &CheckArgs, suite: &Suite, tested: &Subject, serve: bool) -> Result<RunPlan, String> {
     let precomputed = matches!(tested.answers, Answers::Precomputed(_));
     Ok(RunPlan {

@@ -131,7 +131,6 @@ impl CheckWriterArgs {
         Ok((writer, words))
     }
 
-    /// Describes the limits in force.
     fn limits(&self) -> Vec<String> {
         let mut limits = self.run.calls.describe_limits();
         let others = [

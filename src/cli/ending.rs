@@ -165,7 +165,6 @@ impl<'a, C: Reportable> ReportWriter<'a, C> {
         Ok(())
     }
 
-    /// Writes an updated baseline if requested.
     fn write_baseline(&self, run: &Run<C>) -> Result<(), String> {
         let Some(path) = &self.args.write_baseline else {
             return Ok(());

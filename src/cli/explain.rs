@@ -162,7 +162,6 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     Ok(Some(text).filter(|text| !text.is_empty()))
 }
 
-/// Describes the profile of a public reader.
 fn explain_reader(profile: &ReaderProfile) -> String {
     let ReaderProfile { name, reader, .. } = profile;
     let misreadings = profile.misreadings.iter().map(|known| known.slug.as_str());

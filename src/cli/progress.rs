@@ -18,7 +18,6 @@ const UPDATE_INTERVALS: [Duration; 2] = [Duration::from_millis(500), Duration::f
 /// Minimum number of finished items for an estimate of the remaining time.
 const MIN_DONE: usize = 10;
 
-/// Current activity of a run.
 struct Activity {
     label: &'static str,
     done: Arc<AtomicUsize>,

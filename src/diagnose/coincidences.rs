@@ -219,7 +219,6 @@ fn accepts_by_chance(
     is_unknown || are_few_faults && is_clause_open() || !search.refuting_files(&[id]).is_empty()
 }
 
-/// Returns true if a case is about the misread clause.
 fn is_about(witness: &Witness, misreading: &Misreading) -> bool {
     (witness.case.clauses.iter()).any(|clause| clause == misreading.clause)
 }

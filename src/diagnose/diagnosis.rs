@@ -104,7 +104,6 @@ impl Category {
     }
 }
 
-/// Text of a described cause.
 pub(super) struct CauseText {
     pub effect: String,
     pub fix: String,

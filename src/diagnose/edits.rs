@@ -176,7 +176,6 @@ fn restrict(search: &Search, set: &MistakeSet, edit: &Mistake, left: &[usize]) -
     is_supported.then_some(restricted)
 }
 
-/// Returns the edit if the mistake is a single edit.
 fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
     match mistake.misreading.step {
         Hook::Edits([edit]) => Some(&edit.change),

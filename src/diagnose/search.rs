@@ -34,7 +34,6 @@ pub(super) struct Member {
     pub equivalents: MistakeSet,
 }
 
-/// The search for the mistakes of one decoder.
 pub(super) struct Search<'a> {
     pub witnesses: &'a [Witness<'a>],
     /// All candidates: the misreadings in the catalog, and the mistakes that were added.
@@ -222,7 +221,6 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Returns true if the mistake `id` may be added to `set`.
     fn can_add(&self, set: &MistakeSet, id: MistakeId) -> bool {
         !set.contains(&id) && !self.assumed.contains(&id)
     }
@@ -647,7 +645,6 @@ impl<'a> Search<'a> {
         })
     }
 
-    /// Returns true if a failing case tests the clause that the mistake misreads.
     fn tests_misread_clause(&self, id: MistakeId) -> bool {
         let listed = self.mistakes[id].catalog_misreading();
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
@@ -800,7 +797,6 @@ impl<'a> Search<'a> {
         left.iter().copied().filter(has_shape).collect()
     }
 
-    /// Returns true if the work budget is exhausted.
     fn is_budget_spent(&self) -> bool {
         self.work.load(Ordering::Relaxed) > MAX_WORK
     }

@@ -57,7 +57,6 @@ fn checked_fields(case: &TextureCase, answer: &Value) -> Value {
     Value::Object(kept.collect())
 }
 
-/// Returns true if a stage with these rules would fail the case.
 fn would_fail(run: &Run<TextureCase>, case: &TextureCase, rules: &Rules) -> bool {
     let must_refuse = case.expect() == Expect::Reject;
     match case.answer(rules) {

@@ -56,7 +56,6 @@ pub(super) type Property = (&'static str, bool);
 /// value.
 pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
 
-/// Properties and quantities of a file.
 pub(super) struct Facts {
     pub properties: Vec<Property>,
     pub quantities: Vec<Quantity>,
@@ -181,7 +180,6 @@ impl Witness<'_> {
         self.correct_answer.as_ref().unwrap_or(&self.expected)
     }
 
-    /// Returns the answer of a decoder with these mistakes to a modified file.
     fn answer_to_file(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
         misreadings::answer(mistakes, self.reading, file, &self.observation.view)
     }
@@ -387,7 +385,6 @@ impl Witness<'_> {
     }
 }
 
-/// Returns true if the misreading affects only steps after decoding.
 pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.step.stage() >= Stage::Planes
 }

@@ -293,7 +293,6 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
     all
 }
 
-/// Returns an expression that rounds `value` up to a multiple of `multiple`.
 fn round_up(value: &Expression, multiple: f64) -> Expression {
     let sum = Expression::Sum(vec![value.clone(), number(multiple - 1.0)]);
     let quotient = Expression::Quotient(Box::new(sum), Box::new(number(multiple)));
@@ -326,7 +325,6 @@ fn replace_constants(node: &Expression, _: Scope) -> Vec<Expression> {
     rivals.chain(neighbors).map(number).collect()
 }
 
-/// Multiplies or divides a node by a factor.
 fn add_factors(node: &Expression, _: Scope) -> Vec<Expression> {
     let product = |factor| Expression::Product(vec![node.clone(), number(factor)]);
     let quotient = |factor| Expression::Quotient(Box::new(node.clone()), Box::new(number(factor)));

@@ -67,7 +67,6 @@ fn to_byte(value: f64) -> u8 {
     value.floor().rem_euclid(256.0) as u8
 }
 
-/// Decodes a file with edited formulas.
 pub(crate) fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     match edits.has_stage(Stage::Decoding) {
         true => decode_stages(file, reading, edits),
@@ -305,7 +304,6 @@ struct CompressedPlanes<'a> {
 }
 
 impl CompressedPlanes<'_> {
-    /// Predicts and corrects every plane, lowest rank first.
     fn decode<'r>(
         &self,
         residuals: impl Iterator<Item = (usize, &'r [u8])>,
@@ -347,7 +345,6 @@ impl CompressedPlanes<'_> {
         samples
     }
 
-    /// Returns the prediction step of plane `p`.
     fn edited_step(&self, p: usize) -> Result<Step> {
         let default = self.coded.plan.steps[p];
         if !self
@@ -407,7 +404,6 @@ impl CompressedPlanes<'_> {
         }
     }
 
-    /// Evaluates an expression on whole planes.
     fn evaluate_planes(
         &self,
         expression: &Expression,
@@ -511,7 +507,6 @@ impl CompressedPlanes<'_> {
         element_at(plane, row * width + column).copied()
     }
 
-    /// Adds the predictor to the residuals.
     fn add_predictor(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
         if !self.edits.is_edited(Formula::Plane) {
             return match self.coded.coding {

@@ -36,7 +36,6 @@ pub struct KnownDecoder<'a> {
     pub reading: Reading,
 }
 
-/// A request for a generated file.
 pub(super) struct DraftRequest {
     /// The case of the draft. For a damaged draft, this is the damaged case.
     pub case: Case,
@@ -280,7 +279,6 @@ fn distinguish_suspects(draft: &Draft, cause: &mut Explanation, decoder: &KnownD
     }
 }
 
-/// Returns true if two answers are equal up to rounding.
 fn are_equal(a: &Answer, b: &Answer) -> bool {
     match (a, b) {
         (Answer::Decoded(a), Answer::Decoded(b)) => equal_up_to_rounding(a, b),

@@ -25,7 +25,6 @@ fn weight(draft: &Draft, table: TableSpelling) -> Option<(usize, usize)> {
     Some((case.build(table).file.len(), description))
 }
 
-/// Returns all drafts that are one step simpler.
 fn simpler_drafts(draft: &Draft) -> Vec<Draft> {
     let (width, height) = (draft.width, draft.height);
     let sizes = smaller_sizes(Size { width, height }).into_iter();

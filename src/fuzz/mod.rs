@@ -216,7 +216,6 @@ impl Batch {
         causes.next()
     }
 
-    /// Returns the drafts with this outcome, and the indices of their cases.
     fn drafts_with_outcome<'a>(
         &'a self,
         run: &'a Run,

@@ -158,7 +158,6 @@ impl Damage {
         self.header.iter().flat_map(replacements).collect()
     }
 
-    /// Returns the edits that only remove bytes.
     fn removals(&self, file: &NamedPlaces) -> Result<Vec<Splice>, String> {
         let bytes = &file.written.bytes;
         let mut removed = Vec::new();
@@ -267,7 +266,6 @@ fn hex_bytes(word: &str, model: &Model) -> Result<Vec<u8>, String> {
     Ok(vec![byte.ok_or_else(unknown)?; times.ok_or_else(unknown)?])
 }
 
-/// Returns the edit that adds `amount` to a number.
 fn add_to_number(file: &NamedPlaces, place: &DamagePlace, amount: &str) -> Result<Splice, String> {
     let spot = file.spot(place)?;
     let number = |text: &str| {

@@ -14,7 +14,6 @@ pub struct GeneratedFile {
     pub payload: usize,
 }
 
-/// A file that is being written.
 pub(super) struct Output<'a> {
     /// The spelling of the header.
     pub spelling: &'a Spelling,

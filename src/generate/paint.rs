@@ -61,7 +61,6 @@ fn alternating_byte(seed: u32, position: usize, channel: usize) -> u8 {
     }
 }
 
-/// Returns the index of the table entry for a texel.
 pub(super) fn entry_of_texel(recipe: &Recipe, texel: usize) -> u32 {
     let entries = recipe.entries;
     let random = hash(recipe.seed ^ 0x5bd1, texel, 99);

@@ -122,7 +122,6 @@ impl StreamPart {
         })
     }
 
-    /// Returns the range of this part in a stream.
     fn range(self, stream: &[u8]) -> Option<Range<usize>> {
         let found = match self {
             StreamPart::Marker(code) => segment(stream, code)?,
@@ -163,7 +162,6 @@ impl Selector {
         })
     }
 
-    /// Returns the selected plane of a compressed file.
     fn plane(self, model: &Model) -> Option<usize> {
         let plan = &model.compressed.as_ref()?.plan;
         let by_rank = plan.decoding_order();
@@ -223,7 +221,6 @@ impl NamedPlaces<'_> {
         spots.map(part).collect::<Option<_>>().ok_or_else(missing)
     }
 
-    /// Returns the fields that a place selects.
     fn fields(&self, place: &DamagePlace) -> Option<Vec<Spot>> {
         let (payload, end) = (self.written.payload, self.written.bytes.len());
         let named = self.fields_named(&place.name);

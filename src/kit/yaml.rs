@@ -141,7 +141,6 @@ impl de::Error for YamlError {
 /// Error message for an anchor or an alias.
 const NO_ANCHORS: &str = "anchors and aliases are not supported";
 
-/// Parses text into a tree.
 fn parse(text: &str) -> Result<Node, String> {
     let mut open: Vec<(Node, Option<Node>)> = Vec::new();
     let mut root: Option<Node> = None;

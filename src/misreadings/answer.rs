@@ -52,7 +52,6 @@ pub(crate) fn read(
     Ok((ptm, reading))
 }
 
-/// Applies these mistakes to `reading`.
 pub(crate) fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) -> Reading {
     misreadings.iter().fold(reading, |reading, misreading| {
         misreading.step.apply_to(reading)

@@ -83,7 +83,6 @@ fn jfif_colors(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     ]
 }
 
-/// Reinterprets the byte with this value as a signed number.
 fn as_signed_byte(value: f64) -> f64 {
     f64::from(value as u8 as i8)
 }

@@ -80,7 +80,6 @@ fn black_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     }
 }
 
-/// One axis of a plane.
 struct PlaneAxis {
     is_x: bool,
     /// Number of samples along this axis.

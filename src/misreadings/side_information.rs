@@ -133,7 +133,6 @@ pub(super) const STEPS: Steps = |slug| {
     })
 };
 
-/// Parses a record with a big-endian position.
 fn big_endian([p3, p2, p1, p0, value]: [u8; 5]) -> Record {
     (u32::from_be_bytes([p3, p2, p1, p0]), value)
 }

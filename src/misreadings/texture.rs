@@ -716,7 +716,6 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
     })
 };
 
-/// Applies `change` to `value` and returns the result.
 fn with_change<T>(mut value: T, change: impl FnOnce(&mut T)) -> T {
     change(&mut value);
     value
@@ -748,7 +747,6 @@ fn cover_with(x: &Terms, color: Color, weights: Color) -> Shade {
     with_color(x.input, mix(x.input.color, color, weights))
 }
 
-/// Returns the maps with a different rendering control.
 fn with_rendering_control(
     maps: &[(Entry, MapValue)],
     control: RenderingControl,

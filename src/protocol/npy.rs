@@ -55,7 +55,6 @@ pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
     Ok(Frame::exact(view, [width, height, channels], samples))
 }
 
-/// Splits a file into its header and the rest.
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
     let truncated = || "the file ends within its header".to_owned();
     let version = bytes.get(6..8).ok_or_else(truncated)?;
@@ -82,7 +81,6 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
     Ok((header, &bytes[end..]))
 }
 
-/// The entries of the header dictionary.
 struct NpyHeader {
     descr: String,
     fortran_order: bool,

@@ -163,7 +163,6 @@ fn write_counts(out: &mut String, list: &[ChangedCase], old: &Report, new: &Repo
     })
 }
 
-/// Writes the full description of a change.
 fn write_change(out: &mut String, (old, new): &ChangedCase) -> fmt::Result {
     match old.outcome == new.outcome {
         true => writeln!(out, "  {}: {}", new.id, new.outcome)?,
@@ -188,7 +187,6 @@ fn describe_causes(report: &Report, in_full: bool) -> String {
     report.diagnoses.iter().map(words).collect()
 }
 
-/// Returns the names of the fields in which two results differ.
 fn differing_fields(old: &CaseResult, new: &CaseResult) -> Vec<&'static str> {
     let fields = [
         ("view", old.view != new.view),

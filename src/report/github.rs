@@ -33,7 +33,6 @@ pub fn annotations(report: &Report) -> String {
     text
 }
 
-/// Returns the title and message of each error.
 fn errors(report: &Report) -> Vec<(String, String)> {
     let name = report.suite.short_title();
     let mut errors: Vec<(String, String)> = Vec::new();

@@ -39,7 +39,6 @@ pub trait Reportable: TestCase {
     fn readings_of_files(_: &Suite<Self>, _: &Run<Self>) -> Vec<FollowedReading> {
         Vec::new()
     }
-    /// Renders the evidence of a failure.
     fn evidence(&self, table: TableSpelling, observation: &Observation<Self>) -> Markup;
 
     /// Finds transforms that the images of the first files have in common, reports them, and undoes them in all later images.

@@ -58,7 +58,6 @@ impl Caller {
     }
 }
 
-/// Sends a request and reads the answer.
 fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result<Reply> {
     let Request {
         name, view, file, ..

@@ -143,7 +143,6 @@ impl<'a> Servers<'a> {
     }
 }
 
-/// A serving process.
 struct Server<'a> {
     call: Call,
     /// Standard input, or `None` after it is closed.

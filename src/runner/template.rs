@@ -280,7 +280,6 @@ pub(crate) fn make_absolute(word: &OsStr, is_program: bool) -> Result<OsString, 
     }
 }
 
-/// The output file of a call.
 pub(crate) struct OutputFile {
     directory: OwnedFd,
     name: String,

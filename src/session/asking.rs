@@ -66,7 +66,6 @@ impl<'a, C: TestCase> Session<'a, C> {
         self.end_reason().is_some()
     }
 
-    /// Returns the reason to end the run, if there is one.
     pub(super) fn end_reason(&self) -> Option<&'static str> {
         let (stop, hangs) = (&self.plan.stop, &self.tally.too_many_hangs);
         match (stop.load(Ordering::Relaxed), hangs.load(Ordering::Relaxed)) {

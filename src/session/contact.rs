@@ -42,7 +42,6 @@ pub(super) struct FirstReply<'a> {
 }
 
 impl FirstReply<'_> {
-    /// Returns the received frame, if there is one.
     pub(super) fn frame(&self) -> Option<&Frame> {
         match &self.reply.answer {
             Answer::Decoded(frame) => Some(frame),

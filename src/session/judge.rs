@@ -77,7 +77,6 @@ pub fn judge<C: TestCase>(
     }
 }
 
-/// All facts that affect the verdict on one case.
 struct CaseFacts<'a, C: TestCase> {
     case: &'a C,
     observation: &'a Observation<C>,

@@ -205,7 +205,6 @@ impl<C: TestCase> Session<'_, C> {
         run
     }
 
-    /// Builds a run from these observations.
     fn run(
         &self,
         contact: Contact<C>,

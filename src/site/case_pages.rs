@@ -92,7 +92,6 @@ fn facts(context: PageContext, case: &Case, built: &Built) -> Markup {
     }
 }
 
-/// Describes the tolerance for the values of a case.
 fn describe_tolerance(case: &Case, built: &Built) -> Option<String> {
     let view = &case.views[0];
     let expected = Expected::new(&built.values, view)?;
@@ -191,7 +190,6 @@ fn related_cases(context: PageContext, case: &Case) -> Markup {
     }
 }
 
-/// Renders the results of public readers for a case.
 fn reader_results(context: PageContext, case: &Case) -> Markup {
     html! {
         h2 { "Public readers" }

@@ -35,7 +35,6 @@ const DOCUMENTS: &[(&str, &str, &str)] = &[
 /// Image in the README: file name on the site, and bytes.
 const README_IMAGE: (&str, &[u8]) = ("mistakes.png", include_bytes!("../../docs/mistakes.png"));
 
-/// Renders a page for each document.
 pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {
     let page = |(file, name, text): &(&str, &str, &str)| {
         let (headings, markup) = render_document(file, text);

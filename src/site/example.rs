@@ -149,7 +149,6 @@ fn run(example: &WorkedExample, ruling: Option<&str>, files: &Files) -> Result<E
     })
 }
 
-/// Checks that the result equals the one that the example states.
 fn check_result(example: &WorkedExample, found: &Decoding) -> Result<(), String> {
     match (found, &example.value, &example.refused) {
         (Decoding::Refused(clause, _), None, Some(expected)) if clause == expected => Ok(()),

@@ -118,7 +118,6 @@ fn clause<'a>(
     })
 }
 
-/// Renders an example with its bytes and its result.
 fn render_example(
     context: PageContext,
     example: &WorkedExample,

@@ -8,7 +8,6 @@ use std::str::Chars;
 
 use maud::{Markup, PreEscaped, html};
 
-/// Renders a display formula.
 pub(super) fn formula(text: &str) -> Markup {
     let row = parse_row(&mut text.chars().peekable(), None);
     PreEscaped(format!("<math display=\"block\">{row}</math>"))

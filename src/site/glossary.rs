@@ -4,12 +4,10 @@ use maud::html;
 
 use super::page::{PageContext, SiteFile};
 
-/// Returns the anchor of a word on the glossary page.
 pub(super) fn anchor(word: &str) -> String {
     format!("w-{}", word.replace([' ', ','], "-"))
 }
 
-/// Renders the glossary page.
 pub(super) fn page(context: PageContext) -> SiteFile {
     let body = html! {
         h1 { "Glossary" }

@@ -15,7 +15,6 @@ const SPECIFICATION: &str =
 /// Light directions of the small images at the top of the page.
 const LIGHTS: [(f64, f64); 4] = [(-0.7, 0.3), (0.0, 0.7), (0.5, 0.5), (0.7, -0.3)];
 
-/// Renders the home page.
 pub(super) fn page(context: PageContext) -> SiteFile {
     let library = context.library;
     let counts = [

@@ -33,7 +33,6 @@ impl PageContext<'_> {
         self.link_as(id, &html! { code { (id) } })
     }
 
-    /// Renders `text` as a link to the page of an id.
     pub(super) fn link_as(&self, id: &str, text: &Markup) -> Markup {
         match self.library.page_url(id) {
             Some(url) => html! { a href={ (self.root) (url) } { (text) } },
@@ -41,7 +40,6 @@ impl PageContext<'_> {
         }
     }
 
-    /// Renders a link to the protocol.
     pub(super) fn protocol(&self) -> Markup {
         self.link_as(PROTOCOL, &html! { "the decoder protocol" })
     }
@@ -93,7 +91,6 @@ impl PageContext<'_> {
         }
     }
 
-    /// Renders the list page of a part of the site.
     pub(super) fn list(&self, part: &str, contents: &Markup) -> SiteFile {
         let mut parts = self.library.texts.navigation.iter();
         let entry = parts.find(|(_, name)| name == part);

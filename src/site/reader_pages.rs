@@ -14,7 +14,6 @@ use crate::suite::clauses::Clause;
 /// Number of cases per outcome that are initially visible.
 const INITIALLY_VISIBLE_CASES: usize = 20;
 
-/// Counts the results of a run by clause.
 fn tallies<'a>(context: PageContext<'a>, run: &ReaderRun) -> BTreeMap<&'a str, ClauseTally> {
     let cases = context.library.suite.cases.iter();
     ClauseTally::count(cases.map(|case| (&case.clauses, run.outcome(&case.id))))
@@ -47,7 +46,6 @@ fn find_run<'a>(context: PageContext<'a>, reader: &str) -> Option<&'a ReaderRun>
     context.library.runs.iter().find(|run| run.reader == reader)
 }
 
-/// Returns the profile that `lint --for` uses for a reader.
 fn profile(reader: &str) -> Option<&'static ReaderProfile> {
     profiles().iter().find(|profile| profile.reader == reader)
 }

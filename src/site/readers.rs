@@ -46,7 +46,6 @@ pub struct ReaderRun {
 }
 
 impl ReaderRun {
-    /// Returns the outcome of a case.
     pub(super) fn outcome(&self, id: &str) -> Outcome {
         self.by_case.get(id).copied().unwrap_or(Outcome::Pass)
     }

@@ -220,7 +220,6 @@ fn measure_separation(suite: &Suite, rows: &[MatrixRow]) -> (Separation, BTreeSe
     (separation, unique_separators)
 }
 
-/// Returns the names and values of the parameters of a recipe.
 fn recipe_parameters(case: &Case, recipe: &Recipe) -> Vec<(&'static str, String)> {
     let spelling = &recipe.spelling;
     let line_count = |two: bool| if two { "two lines" } else { "one line" };

@@ -64,7 +64,6 @@ impl CaseRecord {
         })
     }
 
-    /// Returns the source from which the file is generated.
     fn source(&self, words: &Words, twin: Option<&Case>) -> Result<Source, String> {
         match (&self.make, &self.bytes, &self.twin_of) {
             (Some(make), None, None) => Ok(Source::Recipe(make.recipe(words)?, None)),
@@ -88,7 +87,6 @@ impl CaseRecord {
         }
     }
 
-    /// Returns the source of a damaged copy of the twin's file.
     fn damaged_source(&self, words: &Words, twin: &Case) -> Result<Source, String> {
         if twin.twin_of.is_some() {
             return Err("is itself an edit".to_owned());

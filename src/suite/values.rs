@@ -89,7 +89,6 @@ impl HandPiece {
     }
 }
 
-/// Returns the format named in the piece called `format`.
 pub(super) fn format_of(pieces: &[HandPiece]) -> Result<Format, String> {
     let format = pieces.iter().find(|piece| piece.name == "format");
     let text = format.and_then(|piece| piece.text.as_ref());

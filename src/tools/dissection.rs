@@ -309,7 +309,6 @@ impl Role {
     }
 }
 
-/// Returns the name of a block of texel data.
 fn block_name(format: Option<Format>, block: usize) -> &'static str {
     match (format, block) {
         (Some(Format::Rgb), 0) => "red coefficients",

@@ -123,7 +123,6 @@ fn inspect_part(dissection: &Dissection, i: usize) -> FilePart {
     field
 }
 
-/// Returns a description of a payload part and its elements.
 fn describe(dissection: &Dissection, part: &FilePart, bytes: &[u8]) -> (String, Vec<FilePart>) {
     let texels = dissection.size.map_or(0, Size::texels);
     if let Some(whole) = part.full_length {

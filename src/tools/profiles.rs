@@ -47,7 +47,6 @@ impl Profile {
         Self::ALL[self as usize].1
     }
 
-    /// Returns the maximum size of a file in bytes.
     const fn max_file_bytes(self) -> usize {
         Self::ALL[self as usize].2
     }

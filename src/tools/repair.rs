@@ -212,7 +212,6 @@ fn next_word(file: &[u8], offset: &mut usize) -> Result<String, String> {
     }
 }
 
-/// Strips leading spaces and tabs.
 fn strip_leading_blanks(bytes: &[u8]) -> &[u8] {
     let blanks = bytes.iter().take_while(|byte| matches!(byte, b' ' | b'\t'));
     &bytes[blanks.count()..]

@@ -184,7 +184,6 @@ fn describe(kind: SegmentKind, bytes: &[u8], is_jpeg_ls: bool) -> String {
     }
 }
 
-/// Describes the contents of a marker segment.
 fn describe_segment(code: u8, body: &[u8], is_jpeg_ls: bool) -> String {
     match (code, body) {
         (0xc4, _) => huffman_tables(body),

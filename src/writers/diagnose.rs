@@ -194,7 +194,6 @@ pub(super) fn describe_differences<V: RequestValues>(
     diagnoses
 }
 
-/// Creates a cause from descriptions of its effect and its fix.
 pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: String) -> Cause<A> {
     Cause::Described {
         category: Category::Difference,
@@ -206,7 +205,6 @@ pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: St
     }
 }
 
-/// Returns the effect and the fix for files that violate the given clause.
 fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
     let clause = if fault.is_refusal { "refused" } else { clause };
     let effect = match clause {

@@ -34,7 +34,6 @@ pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
     check_lint(file)
 }
 
-/// Checks that `lint` finds no error in a file.
 pub(super) fn check_lint(file: &[u8]) -> Result<(), WriterFault> {
     match lint(file).first() {
         Some(first) if first.severity == Severity::Error => {
@@ -126,7 +125,6 @@ fn compare_parameter(request: &WriteRequest, dissection: &Dissection) -> Result<
     }
 }
 
-/// Compares the planes of a lossless file with the requested planes.
 fn compare_planes(
     request: &WriteRequest,
     dissection: &Dissection,

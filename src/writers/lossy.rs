@@ -55,7 +55,6 @@ fn stored_plane(request: &WriteRequest, samples: &[u8], plane: usize) -> Vec<u8>
     samples.copied().collect()
 }
 
-/// Plane of a lossy file.
 struct LossyPlane<'a> {
     request: &'a WriteRequest,
     plane: usize,

@@ -65,7 +65,6 @@ fn check_file(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
     list.add_bad(format!("{format}: {fault}"), next);
 }
 
-/// Explains an answer that is not a file, and suggests a fix.
 fn explain_answer(reply: &Reply<WrittenFile>) -> (String, &'static str) {
     let next = match &reply.answer {
         Answer::ProtocolError(_) if reply.stdout.starts_with(b"PTM_1.") => {

@@ -25,7 +25,6 @@ use crate::codec::headers::allocate_samples;
 use crate::codec::markers::{Cursor, RST0};
 use crate::codec::stream_error::StreamResult;
 
-/// Tables and restart interval of a scan.
 pub(super) struct ScanTables {
     /// Quantization steps in zigzag order.
     pub quantization: [u16; 64],

@@ -51,7 +51,6 @@ pub(super) fn decode_scan<'a, B: ReadGolomb<'a>>(
     Ok(samples)
 }
 
-/// State of the decoder during a scan.
 struct ScanDecoder<'p, B> {
     parameters: &'p Parameters,
     bits: B,

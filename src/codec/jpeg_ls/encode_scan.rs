@@ -45,7 +45,6 @@ pub(super) fn encode_scan(
     decoded
 }
 
-/// State of the encoder during a scan.
 struct ScanEncoder<'p, 's> {
     parameters: &'p Parameters,
     bits: BitWriter<'s, 7>,

@@ -28,7 +28,6 @@ pub fn format_steps(ptm: &Ptm, view: &View, texel: usize, channel: usize) -> Opt
     }
 }
 
-/// Formats `(raw − bias) · scale`.
 fn format_final_value(ptm: &Ptm, raw: &[u8], channel: usize) -> String {
     let numbers = &ptm.header.scale_bias;
     format!(

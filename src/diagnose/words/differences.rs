@@ -96,7 +96,6 @@ impl Phase {
         }
     }
 
-    /// Returns true if a mistake in this step can affect the file.
     fn can_affect(self, witness: &Witness) -> bool {
         let coded = witness.model().and_then(|model| model.compressed.as_ref());
         let is_identity = |pair: &ScaleBias| pair.scale == [1.0; 6] && pair.bias == [0.0; 6];
@@ -121,7 +120,6 @@ impl Phase {
         }
     }
 
-    /// Returns the clause that defines the step for a format.
     fn clause(self, format: Format) -> Option<&'static str> {
         Some(match (self, format) {
             (Phase::Size, _) => "2.3/1",
@@ -225,7 +223,6 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
     diagnoses
 }
 
-/// Replaces `old` with `new` in the steps at `indices`.
 fn replace(steps: &mut [Phase], indices: &[usize], old: Phase, new: Phase) {
     for &i in indices {
         if steps[i] == old {

@@ -40,7 +40,6 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
         .collect()
 }
 
-/// Describes the files by their faults.
 fn describe_files(witnesses: &[Witness], group: &[usize], refuses: bool) -> String {
     let faults = group.iter().map(|&w| fault_text(witnesses[w].case));
     let mut faults: Vec<&str> = faults.collect();
@@ -55,7 +54,6 @@ fn describe_files(witnesses: &[Witness], group: &[usize], refuses: bool) -> Stri
     )
 }
 
-/// Returns the advice for a failure mode.
 fn fix(mode: &FailureMode, may_be_read: bool) -> String {
     let advice = match may_be_read {
         true => "show an image or exit with status 65",

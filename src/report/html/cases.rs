@@ -32,7 +32,6 @@ impl Group<'_> {
         }
     }
 
-    /// Returns the HTML anchor of this group.
     pub(super) fn anchor(&self) -> String {
         match self.cause {
             // Two causes of one kind may misread different clauses.

@@ -62,7 +62,6 @@ impl ClauseTally {
     }
 }
 
-/// Counts the results of `report` by clause.
 pub(super) fn tallies(report: &Report) -> BTreeMap<&str, ClauseTally> {
     let cases = report.cases.iter();
     ClauseTally::count(cases.map(|case| (&case.clauses, case.outcome)))
@@ -117,7 +116,6 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
     }
 }
 
-/// Renders a table of the clauses and their rules.
 fn table(suite: SuiteName, clauses: &[Clause], tallies: &BTreeMap<&str, ClauseTally>) -> Markup {
     html! {
         details.others {

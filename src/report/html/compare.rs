@@ -46,7 +46,6 @@ impl ComparedImages<'_> {
     }
 }
 
-/// Encodes an RGBA image as a PNG data URL.
 pub(super) fn png_data_url(width: usize, height: usize, rgba: &[u8]) -> String {
     let mut bytes = Vec::new();
     PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)

@@ -18,7 +18,6 @@ use crate::suite::dialect::RightDialects;
 use crate::suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
 use crate::suite::texture::cases::TextureCase;
 
-/// Renders the evidence for a PTM file.
 pub(crate) fn case_evidence(case: &Case, table: TableSpelling, observed: &Observation) -> Markup {
     let built = case.build(table);
     let shown = match &observed.response {

@@ -11,7 +11,6 @@ use crate::suite::address::published_url;
 pub const STYLE: &str = include_str!("style.css");
 const SCRIPT: &str = include_str!("report.js");
 
-/// Renders a complete page with the given title and body.
 pub(super) fn complete_page(title: &str, body: &Markup) -> String {
     let digest = BASE64.encode(&Sha256::digest(SCRIPT));
     let policy = format!(
@@ -66,7 +65,6 @@ pub(super) fn mark(outcome: Outcome) -> &'static str {
     }
 }
 
-/// Returns a symbol for a verdict.
 pub(super) fn verdict_mark(verdict: &str) -> &'static str {
     if verdict == "pass" { "✓" } else { "✗" }
 }

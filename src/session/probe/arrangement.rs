@@ -30,7 +30,6 @@ pub(in crate::session) struct Arrangement {
 }
 
 impl Arrangement {
-    /// Returns all arrangements, the correct one first.
     pub(in crate::session) fn all() -> impl Iterator<Item = Arrangement> {
         let count = LAYOUTS.len() * ORDERS.len() * 4;
         (0..count).map(|i| Arrangement {

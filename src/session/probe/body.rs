@@ -83,7 +83,6 @@ fn line_mistakes(
     made.map(|(_, name, slots)| fault(name, slots)).collect()
 }
 
-/// Returns all interpretations of the bytes as numbers.
 fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
     let is_real = expected.view.sample_type() == "f32";
     let count = expected.size.texels() * expected.channels;

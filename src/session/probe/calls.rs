@@ -22,7 +22,6 @@ pub(super) struct Calls<'a> {
 }
 
 impl Calls<'_> {
-    /// Checks the command before it runs.
     pub(super) fn check_command(&self) -> Result<(), ProbeFault> {
         let Some((program, words)) = self.command.split_first() else {
             return Err(fault("no-command", &[]));

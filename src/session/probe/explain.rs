@@ -14,7 +14,6 @@ fn last_stderr_line(reply: &Reply) -> String {
     })
 }
 
-/// Explains an answer that is not a frame.
 pub(super) fn explain(reply: &Reply) -> ProbeFault {
     let size = reply.stdout.len();
     let name = match &reply.answer {

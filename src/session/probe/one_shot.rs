@@ -241,7 +241,6 @@ pub(super) fn malformed(whole: &[u8]) -> [(&'static str, &'static str, &[u8]); 3
     ]
 }
 
-/// Requests a view that does not exist.
 pub(super) fn request_unknown_view(calls: &Calls, sample: &Sample, list: &mut Checklist) {
     const UNKNOWN_VIEW: &str = "no-such-view";
     let reply = calls.call_with_word(UNKNOWN_VIEW, &["{in}"], &sample.file);

@@ -50,7 +50,6 @@ impl Sample {
         Sample::new(format, "201x149", spelling)
     }
 
-    /// Describes the size of a frame.
     pub(super) fn size_text(&self, view: &View) -> String {
         format!("a frame of {} texels in {view}", self.size.texels())
     }
@@ -70,7 +69,6 @@ impl Sample {
         (frame.width, frame.height) == (self.size.width, self.size.height)
     }
 
-    /// Returns instructions for requesting the file in `view`.
     pub(super) fn reproduction(&self, view: &dyn Display) -> Reproduction {
         let name = self.format.short_name().to_lowercase();
         Reproduction::one_shot(view, format!("{name}-{}.ptm", self.size), &self.file)

@@ -57,7 +57,6 @@ fn new_map(value: &Value) -> Value {
     value
 }
 
-/// Returns the joined pieces of a file in hexadecimal.
 fn hex(pieces: &Value) -> String {
     let mut digits = String::new();
     for piece in pieces.as_array().into_iter().flatten() {

@@ -43,7 +43,6 @@ pub fn row(lint: &Lint, readers: usize) -> String {
     join_cells(file_columns.into_iter().chain(reader_columns))
 }
 
-/// Joins cells into a row.
 fn join_cells(texts: impl Iterator<Item = String>) -> String {
     join_texts(texts.map(|text| quote_cell(&text)), ",") + "\n"
 }

@@ -37,7 +37,6 @@ impl Diagnostic {
     }
 }
 
-/// Collector of findings about a file.
 pub(super) struct Findings<'a> {
     pub dissection: &'a Dissection<'a>,
     pub list: Vec<Diagnostic>,

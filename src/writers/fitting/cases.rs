@@ -58,7 +58,6 @@ impl Suite<FitCase> {
 }
 
 impl ImageSource {
-    /// Returns the photographs to be fitted in the given format.
     fn photographs(&self, format: Format) -> ImageSet {
         match self {
             ImageSource::Generated(plan) => plan.make(format),

@@ -36,7 +36,6 @@ pub(super) static MISTAKES: LazyLock<Vec<FitMistake>> = LazyLock::new(|| {
     from_yaml(yaml).expect("a list of mistakes")
 });
 
-/// Criterion that identifies a mistake.
 enum Criterion {
     /// The map is near the best fit to the photographs that result from this change.
     Photographs(fn(&mut ImageSet)),
@@ -200,7 +199,6 @@ fn sort_by_name(set: &mut ImageSet) {
 }
 
 impl FitMistake {
-    /// Returns the criterion that identifies the mistake.
     fn criterion(&self) -> Criterion {
         use Criterion::{Lights, Map, Numbers, Photographs};
         match self.slug.as_str() {

@@ -88,7 +88,6 @@ impl SetPlan {
         }
     }
 
-    /// Generates the map that is photographed.
     fn map(&self, size: Size, format: Format) -> Ptm {
         let scale_bias = ScaleBias {
             scale: [0.3, 0.2, 0.25, 0.25, 0.3, self.brightness],
@@ -116,7 +115,6 @@ impl SetPlan {
         [radius * angle.cos(), radius * angle.sin(), z].map(|x| (x * length * 1e6).round() / 1e6)
     }
 
-    /// Generates noise for each value of photograph `k`.
     fn generate_noise(&self, size: Size, k: usize) -> Vec<f64> {
         let mut recipe = Recipe::default_for(Format::Lrgb, size);
         recipe.seed = 1000 + k as u32;
