@@ -107,10 +107,8 @@ fn list_ids(suite: &Suite) -> Result<String, String> {
     let (count, codes) = (codes.len(), codes.join(", "));
     let _ = writeln!(text, "\n{count} lint codes:\n  {codes}");
     let profiles = readers::load_profiles(None)?;
-    let names: Vec<&str> = profiles
-        .iter()
-        .map(|profile| profile.name.as_str())
-        .collect();
+    let names = profiles.iter().map(|profile| profile.name.as_str());
+    let names: Vec<&str> = names.collect();
     let _ = writeln!(text, "\n{} readers:\n  {}", names.len(), names.join(", "));
     Ok(text)
 }

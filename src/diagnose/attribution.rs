@@ -363,11 +363,8 @@ pub(super) fn attribute_partially(
         let open = left.iter().filter(|&&w| changes(w, member)).count();
         is_few(open, explained)
     };
-    let thorough: Vec<MistakeId> = set
-        .iter()
-        .copied()
-        .filter(|&id| explains_nearly_all(id))
-        .collect();
+    let thorough = set.iter().copied().filter(|&id| explains_nearly_all(id));
+    let thorough: Vec<MistakeId> = thorough.collect();
     left.retain(|&w| {
         let explains_partially = |&&member: &&MistakeId| {
             thorough.contains(&member) && changes(w, member)

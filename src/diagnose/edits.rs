@@ -73,10 +73,10 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
 /// Returns the edits that reproduce all channels, or all wrong channels, of a probe exactly. Edits that reproduce more probes
 /// come first.
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
-    let used: Vec<Formula> = set
+    let used = set
         .iter()
-        .flat_map(|&id| search.mistakes[id].misreading.step.formulas())
-        .collect();
+        .flat_map(|&id| search.mistakes[id].misreading.step.formulas());
+    let used: Vec<Formula> = used.collect();
     let is_unused = |misreading: &&Misreading| {
         let formulas = misreading.step.formulas();
         !formulas.iter().any(|formula| used.contains(formula))

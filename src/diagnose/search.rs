@@ -610,18 +610,18 @@ impl<'a> Search<'a> {
             };
             left.iter().map(gain).collect::<Vec<i64>>()
         });
-        let mut ranked: Vec<(i64, usize)> = gains
+        let ranked = gains
             .iter()
             .enumerate()
-            .map(|(index, gains)| (gains.iter().sum(), index))
-            .collect();
+            .map(|(index, gains)| (gains.iter().sum(), index));
+        let mut ranked: Vec<(i64, usize)> = ranked.collect();
         ranked.sort_by_key(|&(gain, index)| (-gain, index));
         // Explained and passing cases can only contradict a mistake.
         let explained = (0..score.len()).filter(|&w| self.witnesses[w].failed && !is_left(&w));
-        let others: Vec<usize> = explained
+        let others = explained
             .chain(self.passing.iter().copied())
-            .filter(|&w| tried[w])
-            .collect();
+            .filter(|&w| tried[w]);
+        let others: Vec<usize> = others.collect();
         let mut scored: Vec<(i64, usize)> = Vec::new();
         for batch in ranked.chunks(self.threads.max(1) * 2) {
             let best = scored.iter().map(|&(total, _)| total).max();

@@ -28,10 +28,7 @@ pub(crate) fn refusal_answer(error: Option<Error>) -> Answer {
 }
 
 /// Decodes a file as a decoder with these mistakes would, except for mistakes that change decoded planes. Returns the map and the
-/// modified reading.
-///
-/// # Errors
-/// Returns the error that makes the decoder refuse the file, or `None` if a mistake causes the refusal.
+/// modified reading. Returns the error that makes the decoder refuse the file, or `None` if a mistake causes the refusal.
 pub(crate) fn read(
     misreadings: &[&Misreading],
     reading: Reading,

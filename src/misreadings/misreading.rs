@@ -81,10 +81,8 @@ struct MisreadingRecord {
 /// Joins each record in a YAML file with the step that the mistake changes: the step for its slug, or the step that
 /// `step_from_edits` creates from its formula edits.
 ///
-/// The strings are leaked, which is harmless because each catalog is created only once.
-///
-/// # Errors
-/// Returns a message that names the offending line.
+/// The strings are leaked, which is harmless because each catalog is created only once. Returns an error that names the
+/// offending line.
 pub(crate) fn load_catalog<A>(
     yaml: &str,
     step_from_slug: impl Fn(&str) -> Option<A>,

@@ -380,8 +380,6 @@ impl Decoder {
     }
 
     /// Calls the decoder with a single argument that is not a view. Returns its standard output, at most `max_bytes` bytes.
-    ///
-    /// # Errors
     /// Returns a sentence that describes the failure if the decoder does not exit with 0.
     pub(crate) fn run_with_argument(
         &self,

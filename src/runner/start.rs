@@ -29,10 +29,8 @@ pub(crate) fn describe_start_failure(program: &OsStr, error: &io::Error) -> Stri
     }
 }
 
-/// Checks a program before it is started. `text` is the name of the program in messages.
-///
-/// # Errors
-/// Returns the reason why the program cannot be started, and a remedy.
+/// Checks a program before it is started. `text` is the name of the program in messages. Returns the reason why the program
+/// cannot be started, and a remedy.
 pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     let here = Path::new(word);
     let is_path = word.as_encoded_bytes().contains(&b'/');

@@ -30,13 +30,8 @@ fn page(context: PageContext, code: &Code) -> SiteFile {
         let damage = case.damage().map(|damage| damage.name.as_str());
         code.is_triggered_by(&case.id) || damage.is_some_and(|damage| code.is_triggered_by(damage))
     };
-    let cases: Vec<&Case> = context
-        .library
-        .suite
-        .cases
-        .iter()
-        .filter(triggers)
-        .collect();
+    let cases = context.library.suite.cases.iter().filter(triggers);
+    let cases: Vec<&Case> = cases.collect();
     let body = html! {
         h1 { code { (code.id) } " " span.chip data-severity=(code.severity.name()) { (code.severity.name()) } }
         p.lead { "Message: " (code.message) "." }

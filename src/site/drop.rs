@@ -31,10 +31,8 @@ const SITE_SCRIPT: &str = include_str!("site.js");
 /// Functions that the module exports and the page calls.
 const EXPORTS: [&str; 5] = ["reserve", "open", "report", "samples", "relight"];
 
-/// Renders the page of the site and the standalone page. Without a module, renders a page with build instructions.
-///
-/// # Errors
-/// Returns an error if `module` is not the reference decoder as WebAssembly.
+/// Renders the page of the site and the standalone page. Without a module, renders a page with build instructions. Returns an
+/// error if `module` is not the reference decoder as WebAssembly.
 pub(super) fn pages(context: PageContext, module: Option<&[u8]>) -> Result<Vec<SiteFile>, String> {
     let Some(module) = module else {
         let body = html! {

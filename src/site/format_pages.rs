@@ -17,10 +17,7 @@ const MAX_ILLUSTRATED_MISREADINGS: usize = 2;
 /// Maximum length of a part whose bytes are all displayed.
 const MAX_DISPLAYED_BYTES: usize = 32;
 
-/// Renders the table of contents and the page of each chapter.
-///
-/// # Errors
-/// Returns a message that names the clause whose example fails.
+/// Renders the table of contents and the page of each chapter. Returns an error that names the clause whose example fails.
 pub(super) fn pages(context: PageContext) -> Result<Vec<SiteFile>, String> {
     let chapters = &context.library.annotated.chapters;
     let mut pages = vec![contents(context)];

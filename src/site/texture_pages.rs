@@ -8,10 +8,7 @@ use crate::misreadings;
 use crate::suite::clauses::{Clause, section_of};
 use crate::suite::texture::{cases::TextureCase, verify::verify};
 
-/// Renders all pages about texture mapping.
-///
-/// # Errors
-/// Returns a message if the reference does not return the expected answer to a case.
+/// Renders all pages about texture mapping. Returns an error if the reference does not return the expected answer to a case.
 pub(super) fn pages(context: PageContext) -> Result<Vec<SiteFile>, String> {
     let chapter = chapter(context)?;
     Ok(vec![

@@ -27,10 +27,7 @@ pub(super) fn matches_within_loss(request: &WriteRequest, decoded: &[u8]) -> boo
     }
 }
 
-/// Compares all planes with the requested planes. `side` returns the side information of a plane.
-///
-/// # Errors
-/// Returns the first fault.
+/// Compares all planes with the requested planes. `side` returns the side information of a plane. Returns the first fault.
 pub(super) fn check<'a>(
     request: &WriteRequest,
     decoded: &[u8],

@@ -143,40 +143,27 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
     let mut steps = search.par_map(left, |&w| first_difference(search, set, w));
     let format = |w: usize| search.witnesses[w].case.format();
     for coding in [Coding::Jpeg, Coding::JpegLs] {
-        let in_coding: Vec<usize> = (0..left.len())
-            .filter(|&i| format(left[i]).coding() == Some(coding))
-            .collect();
-        let count = |steps: &[Phase], wanted: &[Phase]| {
-            let is_wanted = |i: &&usize| wanted.contains(&steps[**i]);
-            in_coding.iter().filter(is_wanted).count()
-        };
-        let early = [Phase::Stream, Phase::Rearranged, Phase::StoredValue];
-        let has_streams = count(&steps, &[Phase::Stream]) > 0;
-        // A few images may differ only at corrected texels by chance.
-        if count(&steps, &early) + count(&steps, &[Phase::Prediction])
-            > count(&steps, &[Phase::Correction])
-        {
-            replace(
-                &mut steps,
-                &in_coding,
-                Phase::Correction,
-                Phase::StoredValue,
-            );
-        }
-        // Wrong residuals explain wrong predicted planes if more files have wrong planes that are not predicted.
-        if count(&steps, &early) > count(&steps, &[Phase::Prediction]) {
-            let step = if has_streams {
-                Phase::Stream
-            } else {
-                Phase::StoredValue
+        let mut in_coding: Vec<usize> = (0..left.len()).collect();
+        in_coding.retain(|&i| format(left[i]).coding() == Some(coding));
+        let count = |step| in_coding.iter().filter(|i| steps[**i] == step).count();
+        let [streams, predictions, corrections] =
+            [Phase::Stream, Phase::Prediction, Phase::Correction].map(count);
+        let others = streams + count(Phase::Rearranged) + count(Phase::StoredValue);
+        for i in in_coding {
+            steps[i] = match steps[i] {
+                // A few images may differ only at corrected texels by chance.
+                Phase::Correction if others + predictions > corrections => Phase::StoredValue,
+                // Wrong residuals explain wrong predicted planes if more files have wrong planes that are not predicted.
+                Phase::Prediction if others > predictions && streams > 0 => Phase::Stream,
+                Phase::Prediction if others > predictions => Phase::StoredValue,
+                step => step,
             };
-            replace(&mut steps, &in_coding, Phase::Prediction, step);
         }
     }
     // If files without streams also have wrong values, the mistake is in a step after the streams.
     if steps.contains(&Phase::StoredValue) {
-        let all: Vec<usize> = (0..left.len()).collect();
-        replace(&mut steps, &all, Phase::Stream, Phase::StoredValue);
+        let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
+        streams.for_each(|step| *step = Phase::StoredValue);
     }
     let mut step_of: HashMap<usize, Phase> = left.iter().copied().zip(steps).collect();
     follow_earlier_steps(search, set, &mut step_of);
@@ -191,6 +178,7 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
             && (!witness.failed || search.agreement(*w, set).explains())
     };
     let known: Vec<usize> = (0..search.witnesses.len()).filter(is_known).collect();
+    let formats = Format::ALL.map(Some);
     let mut diagnoses = Vec::new();
     for (step, mut indices) in by_step {
         let mut parts = take_scopes(search, &known, &mut indices, &[None]);
@@ -200,12 +188,7 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
             by_clause.entry(clause).or_default().push(w);
         }
         for mut indices in by_clause.into_values() {
-            parts.extend(take_scopes(
-                search,
-                &known,
-                &mut indices,
-                &Format::ALL.map(Some),
-            ));
+            parts.extend(take_scopes(search, &known, &mut indices, &formats));
             if !indices.is_empty() {
                 let files = share_text(search.witnesses, &indices);
                 parts.push(CauseGroup {
@@ -221,14 +204,6 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
         diagnoses.extend(described);
     }
     diagnoses
-}
-
-fn replace(steps: &mut [Phase], indices: &[usize], old: Phase, new: Phase) {
-    for &i in indices {
-        if steps[i] == old {
-            steps[i] = new;
-        }
-    }
 }
 
 /// Attributes wrong final values and colors to a step of an earlier view if the earlier view has more than half as many
@@ -416,10 +391,8 @@ pub(in crate::diagnose) fn wrong_channels(
     set: &[MistakeId],
     indices: &[usize],
 ) -> Vec<bool> {
-    let mut pairs: Vec<ImagePair> = indices
-        .iter()
-        .filter_map(|&w| image_pair(search, set, w))
-        .collect();
+    let pairs = indices.iter().filter_map(|&w| image_pair(search, set, w));
+    let mut pairs: Vec<ImagePair> = pairs.collect();
     let first = pairs.iter().map(|pair| pair.view).min();
     pairs.retain(|pair| Some(pair.view) == first);
     let count = pairs.first().map_or(0, |pair| pair.channels);
