@@ -149,12 +149,12 @@ pub struct ProfileCase {
     pub lint: Option<&'static str>,
     /// Expected answers.
     #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub expected: Vec<ProfiledAnswer>,
+    pub expected: Vec<ProfileAnswer>,
 }
 
 /// Expected answer that is stored in a file.
 #[derive(Debug, Serialize)]
-pub struct ProfiledAnswer {
+pub struct ProfileAnswer {
     /// View: `raw`, `coef` or `rgb:LU,LV`.
     pub view: String,
     /// Path of the file.
@@ -256,7 +256,7 @@ fn answers(
     expected: &Expected,
     profile: Profile,
     outputs: &mut Vec<ProfileFile>,
-) -> Result<Vec<ProfiledAnswer>, String> {
+) -> Result<Vec<ProfileAnswer>, String> {
     let axes = relevant_axes(case, view).into_iter();
     let shows: Vec<&str> = axes.map(|axis| CHOICES[axis].ruling).collect();
     // `raw`, `coef`, `rgb-0.25--0.5`
@@ -271,7 +271,7 @@ fn answers(
     }
     for (encoding, bytes) in encode_answer(expected, &stem, profile)? {
         let path = format!("{stem}.{encoding}");
-        answers.push(ProfiledAnswer {
+        answers.push(ProfileAnswer {
             view: view.to_string(),
             file: path.clone(),
             encoding,

@@ -57,7 +57,6 @@ fn samples(ptm: &Ptm, view: &str) -> (Vec<f64>, f64) {
     }
 }
 
-/// Returns the samples of a frame.
 fn frame_samples(frame: &[u8]) -> Vec<f64> {
     let line = frame.iter().position(|&byte| byte == b'\n');
     let (line, samples) = frame.split_at(line.expect("a frame has a line") + 1);

@@ -375,7 +375,7 @@ fn random_sets(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
 }
 
 /// Returns true if each mistake in the set changes at least one answer of a decoder that makes the other mistakes.
-fn all_have_effect(suite: &Suite, set: &[&'static Misreading]) -> bool {
+fn all_have_an_effect(suite: &Suite, set: &[&'static Misreading]) -> bool {
     let answer = |set: &[&Misreading], file: &[u8], view| {
         misreadings::answer(set, Reading::SPEC, file, view)
     };
@@ -401,7 +401,7 @@ fn check_sets(count: usize, size: usize, min_named: usize, max_false: usize) {
         if tried == count {
             break;
         }
-        if !all_have_effect(&suite, &set) {
+        if !all_have_an_effect(&suite, &set) {
             continue;
         }
         tried += 1;

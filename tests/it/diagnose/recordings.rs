@@ -22,7 +22,7 @@ use serde::Deserialize;
 struct Reader {
     name: String,
     rows: Vec<SourceMistake>,
-    forbidden: Vec<Forbidden>,
+    forbidden: Vec<ForbiddenStatement>,
 }
 
 /// A mistake in the source code of a decoder.
@@ -42,7 +42,7 @@ struct SourceMistake {
 
 /// Parts of a false statement that an earlier version of the program made.
 #[derive(Deserialize)]
-struct Forbidden {
+struct ForbiddenStatement {
     effect: String,
     /// Part of the scope or of the example. It is needed if the effect alone does not make the statement false.
     #[serde(default, rename = "and")]
@@ -56,7 +56,7 @@ struct ReportedCause {
     example: String,
 }
 
-impl Forbidden {
+impl ForbiddenStatement {
     fn matches(&self, cause: &ReportedCause) -> bool {
         let text = format!("{} {}", cause.effect, cause.example);
         cause.effect.contains(&self.effect) && text.contains(&self.context)

@@ -42,7 +42,7 @@ fn constant_image(request: &Request) -> Answer {
 }
 
 /// Returns the answer of a decoder that truncates the width and the height to eight bits.
-fn with_sizes_in_bytes(request: &Request) -> Answer {
+fn with_sizes_truncated_to_bytes(request: &Request) -> Answer {
     let text = String::from_utf8_lossy(request.file);
     let mut tokens = text.split_ascii_whitespace().skip(2);
     let mut file = request.file.to_vec();
@@ -64,7 +64,7 @@ fn search_is_bounded_for_any_decoder() {
     let decoders: [(&str, fn(&Request) -> Answer, &str); 4] = [
         ("uniform", with_uniform_samples, ""),
         ("constant image", constant_image, ""),
-        ("sizes in bytes", with_sizes_in_bytes, ""),
+        ("sizes in bytes", with_sizes_truncated_to_bytes, ""),
         (
             "swapped sizes",
             |request| answer_with(&[misreading("height-before-width")], request),

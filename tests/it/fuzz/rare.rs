@@ -42,7 +42,6 @@ fn fuzz_misreadings(slugs: &[&str], executions: usize) -> FuzzResult {
     )
 }
 
-/// Returns a decoder with these mistakes.
 fn decoder_with(mistakes: &[&Misreading]) -> impl Fn(&Request, usize) -> Reply + Sync {
     |request, _| Reply::from(answer_with(mistakes, request))
 }

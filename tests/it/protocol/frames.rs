@@ -35,7 +35,6 @@ fn assert_refused(bytes: &[u8], says: &str) {
     assert!(error.contains(says), "{error:?} should say {says:?}");
 }
 
-/// Encodes samples as a PNG.
 fn png(color: png::ColorType, depth: png::BitDepth, size: (u32, u32), samples: &[u8]) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = png::Encoder::new(&mut bytes, size.0, size.1);
@@ -51,7 +50,6 @@ fn png(color: png::ColorType, depth: png::BitDepth, size: (u32, u32), samples: &
     bytes
 }
 
-/// Returns a NumPy file with the given header and data.
 fn npy(version: u8, header: &str, data: &[u8]) -> Vec<u8> {
     let mut bytes = b"\x93NUMPY".to_vec();
     bytes.extend([version, 0]);

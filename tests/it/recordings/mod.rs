@@ -10,7 +10,6 @@ use ptm_conform::kit::digest::sha256;
 use ptm_conform::protocol::frame::Frame;
 use ptm_conform::report::shards::RecordedAnswer;
 
-/// Returns the folder of the recordings.
 pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/recordings")
 }

@@ -19,7 +19,6 @@ fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// Returns the digest of the file of a case.
 fn digest(case: &Case) -> String {
     sha256(&case.build(TableSpelling::default()).file)
 }
