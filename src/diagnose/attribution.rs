@@ -89,12 +89,16 @@ fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool 
         || is_most(images, explained.len()) && !is_substantial(images, images + open.len())
 }
 
-/// Returns true if the mistake is restricted to files with a property, but many wrong images of such files remain unexplained.
+/// Returns true if the mistake is restricted to some files, but too many wrong images of such files remain unexplained: more than
+/// a few if the files share a property, or more than the mistake explains if they share a format.
 fn is_too_broad(search: &Search, id: MistakeId, explained: &[usize], left: &[usize]) -> bool {
     let scope = &search.mistakes[id].scope;
-    let is_by_property = matches!(scope, FileScope::Property(..) | FileScope::Beyond { .. });
     let open = || open_images(search.witnesses, scope, true, explained, left);
-    is_by_property && !explained.is_empty() && !is_few(open(), explained.len())
+    match scope {
+        FileScope::All => false,
+        FileScope::Formats(_) => open() > explained.len(),
+        _ => !explained.is_empty() && !is_few(open(), explained.len()),
+    }
 }
 
 /// Counts the unexplained wrong images of legal files inside or outside the scope, in formats with explained failures.
