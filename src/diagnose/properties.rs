@@ -300,17 +300,17 @@ fn quantities(f: &File) -> Vec<Quantity> {
     };
     let loss = parameter(Coding::JpegLs);
     let distance = f.light.map(|(u, v)| u.hypot(v));
+    let texels = size.map(|(width, height)| width * height);
+    let (width, height) = size.unzip();
+    let side = size.map(|(width, height)| width.max(height));
+    let entries = f.entries().map(f64::from);
     vec![
-        ("2.7/3", "with {} texels", size.map(|(w, h)| w * h)),
-        ("2.3/1", "with {} columns", size.map(|(width, _)| width)),
-        ("2.3/1", "with {} rows", size.map(|(_, height)| height)),
-        (
-            "2.3/1",
-            "with {} columns or rows",
-            size.map(|(w, h)| w.max(h)),
-        ),
+        ("2.7/3", "whose number of texels is {}", texels),
+        ("2.3/1", "whose width is {}", width),
+        ("2.3/1", "whose height is {}", height),
+        ("2.3/1", "whose width or height is {}", side),
         ("2.0/1", "with {} bytes in one line of the header", longest),
-        ("2.5/2", "with {} table entries", f.entries().map(f64::from)),
+        ("2.5/2", "whose table size is {}", entries),
         ("2.9.4/3", "whose largest rank is {}", rank),
         (
             "2.9.3/1",

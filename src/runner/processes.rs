@@ -178,7 +178,7 @@ fn state_and_start(pid: u32) -> Option<(char, u64)> {
 pub struct Children(Vec<(u32, u64)>);
 
 impl Children {
-    /// Lists the children of a process, including inherited orphans but excluding this process.
+    /// Lists the children of a process, including inherited orphans but excluding the current process.
     #[must_use]
     pub fn new(parent: u32) -> Children {
         let children = children_of(parent).filter(|&pid| pid != std::process::id());

@@ -52,7 +52,7 @@ fn format_color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> Stri
     let terms: Vec<String> = a
         .iter()
         .zip(powers)
-        .map(|(a, power)| format!("{}·{}", parenthesize(*a), parenthesize(power)))
+        .map(|(a, power)| format!("{}·{}", rounded_number(*a), rounded_number(power)))
         .collect();
     let polynomial = format!(
         "a0·u² + a1·v² + a2·u·v + a3·u + a4·v + a5 = {}",
@@ -66,7 +66,7 @@ fn format_color(ptm: &Ptm, raw: &[u8], color: usize, (u, v): (f64, f64)) -> Stri
             short_number(sum)
         ),
         Shape::Lum(matrix) => {
-            let row = |column: usize| parenthesize(matrix.0[4 * column + color]);
+            let row = |column: usize| rounded_number(matrix.0[4 * column + color]);
             format!(
                 "{}·Y + {}·Cr + {}·Cb + {} with Y = {}, Cr = {}, Cb = {} and Y = {polynomial}",
                 row(0),
@@ -88,7 +88,7 @@ fn exact_number(value: f64) -> String {
 }
 
 /// Formats a number with at most four decimal places, in parentheses if it is negative.
-fn parenthesize(value: f64) -> String {
+fn rounded_number(value: f64) -> String {
     format_signed(value, short_number)
 }
 

@@ -87,7 +87,7 @@ impl Phase {
             ],
             Phase::FinalValue => [
                 "shows wrong final values",
-                "compute the example by hand from the stored value, the scale and the bias",
+                "compute the example by hand from the bytes that it names",
             ],
             Phase::Color => [
                 "shows wrong colors",

@@ -15,7 +15,7 @@ use crate::common::{
     Workspace, check_writer, edit, have_python, python_example, repository, repository_text, rows,
 };
 
-/// Returns the `.lp` file of twelve real photographs, stored next to HP's fit, or `None` if the file is missing.
+/// Returns the path of the `.lp` file for twelve real photographs, stored next to HP's fit, or `None` if the file is missing.
 fn real_photographs() -> Option<String> {
     let lp = repository("../shared/data/ptmfitter-8x5/reference_8x5.lp");
     let exists = Path::new(&lp).exists();
