@@ -159,7 +159,7 @@ fn diagnose_whole_formats(
 }
 
 /// Returns true if the evidence for a misreading is too weak:
-/// - more than a few cases contradict it (images of files that it would refuse count as contradictions),
+/// - more than half as many cases contradict it as support it (images of files that it would refuse count as contradictions),
 /// - only malformed files support it, and some case contradicts it,
 /// - only a single legal file supports it, and the response is not an image,
 /// - it explains a crash by a signal, and no image supports it, or
@@ -183,7 +183,7 @@ fn is_weak(search: &Search, set: &[MistakeId], i: usize, share: &Share, left: &[
     let is_single = matches!(explained[..], [w] if witnesses[w].case.expect == Expect::Decode);
     images(explained) == 0 && (is_single || explained.iter().any(is_signal))
         || is_hidden && images(left) > explained.len()
-        || !is_few(contradictions, explained.len())
+        || is_most(contradictions, explained.len())
         || contradictions > 0 && is_guess()
 }
 
