@@ -161,7 +161,6 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     }
 }
 
-/// Checks a texture stage (`check --suite texture`).
 fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     reject_file_options(args)?;
     let suite = Suite::load_texture()?;

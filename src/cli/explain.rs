@@ -329,7 +329,6 @@ fn explain_case(case: &Case) -> String {
     text
 }
 
-/// Returns the error message for an unknown id, with suggestions.
 fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {
     let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
     let profiles = readers::load_profiles(None)?;

@@ -51,7 +51,6 @@ fn style_text(text: &str, width: Option<usize>) -> String {
     page
 }
 
-/// Returns the length and style of the prefix of a line, if the prefix is known.
 fn styled_prefix(line: &str) -> Option<(usize, Style)> {
     let text = line.trim_start_matches(' ');
     let indent = line.len() - text.len();

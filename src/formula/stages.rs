@@ -151,7 +151,6 @@ fn outside_data_error(offset: usize) -> Error {
     Error::new("2.7/3", offset, kind)
 }
 
-/// Returns the element at an address, or an error if the address is outside the data.
 fn element_at<T>(data: &[T], address: f64) -> Result<&T> {
     let is_address = address >= 0.0 && address.fract() == 0.0;
     let found = is_address.then(|| data.get(address as usize)).flatten();

@@ -355,7 +355,6 @@ impl Draft {
     }
 }
 
-/// Returns the clause that introduces the payload of a format.
 fn payload_clause(format: Format) -> &'static str {
     match format.storage() {
         Storage::Texels => "2.7/1",

@@ -72,7 +72,6 @@ impl KnownDecoder<'_> {
         misreadings::answer(mistakes, self.reading, &request.built.file, &request.view)
     }
 
-    /// Returns true if the answer is correct in the dialect of this decoder.
     fn is_correct(&self, request: &DraftRequest, answer: &Answer) -> bool {
         match answer {
             Answer::Decoded(_) if request.case.damage().is_some() => false,

@@ -329,7 +329,6 @@ pub fn diagnosis(bytes: &[u8]) {
 const CASE_STRIDE: usize = 40;
 const MAX_BYTES: usize = 2000;
 
-/// Returns a wrong answer selected by `choice`, or the correct answer.
 fn wrong_answer(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
     let change = |edit: &dyn Fn(usize, u8) -> u8| match right.clone() {
         Answer::Decoded(mut frame) => {

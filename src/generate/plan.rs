@@ -271,7 +271,6 @@ impl Compression {
         (self.motion_x[plane], self.motion_y[plane])
     }
 
-    /// Returns the texels of a plane for which the recipe requests a record.
     pub(super) fn requested_records(&self, plane: usize, size: Size) -> Vec<usize> {
         let (width, texels) = (size.width as usize, size.texels());
         let edge = |texel: &usize| {
@@ -295,7 +294,6 @@ impl Compression {
         requested
     }
 
-    /// Returns true if a plane has records of this kind.
     pub(super) fn has_records(&self, plane: usize, texels: &Texels) -> bool {
         self.records
             .iter()

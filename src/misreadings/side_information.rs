@@ -137,7 +137,6 @@ fn big_endian([p3, p2, p1, p0, value]: [u8; 5]) -> Record {
     (u32::from_be_bytes([p3, p2, p1, p0]), value)
 }
 
-/// Returns the side information of a plane, or an empty block if `skipped` is true.
 fn side_information_unless<'a>(skipped: bool, coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if skipped {
         &[]
@@ -155,7 +154,6 @@ fn reconstruct_uncorrected(
     reconstruct_partly_corrected(coded, residuals, reading, |_, _| false)
 }
 
-/// Reconstructs all planes, and corrects those for which `is_corrected` returns true.
 fn reconstruct_partly_corrected(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,

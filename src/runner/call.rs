@@ -21,6 +21,7 @@ pub(crate) const MAX_WAIT: Duration = Duration::from_secs(365 * 24 * 3600);
 /// Interval at which memory is measured and the stop flag is checked.
 pub(crate) const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
+/// Limits of a call.
 pub(crate) struct CallLimits<'a> {
     /// Maximum number of bytes on standard output.
     pub(crate) output: usize,
@@ -45,6 +46,7 @@ pub(crate) struct Call {
     pub(crate) errors: Vec<u8>,
 }
 
+/// The way in which a call ended.
 pub(crate) enum CallEnd {
     /// The process exited on its own.
     Exited(ExitStatus),
@@ -58,6 +60,7 @@ pub(crate) enum CallEnd {
     Stopped,
 }
 
+/// The output of a call and the way in which it ended.
 pub(crate) struct CallOutput {
     pub(crate) ended: CallEnd,
     pub(crate) stdout: Vec<u8>,

@@ -58,6 +58,7 @@ impl Caller {
     }
 }
 
+/// Sends a request and reads the answer.
 fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result<Reply> {
     let Request {
         name, view, file, ..

@@ -158,6 +158,7 @@ fn orphans(wanted: impl Fn(u32) -> bool) -> Vec<u32> {
     orphans
 }
 
+/// Returns true if the process is a zombie.
 fn has_ended(pid: u32) -> bool {
     state_and_start(pid).is_some_and(|(state, _)| state == 'Z')
 }
@@ -199,6 +200,7 @@ impl Children {
     }
 }
 
+/// Returns the id and the start time of a process.
 fn process_identity(pid: u32) -> Option<(u32, u64)> {
     state_and_start(pid).map(|(_, start)| (pid, start))
 }

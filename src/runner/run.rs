@@ -351,6 +351,7 @@ impl Decoder {
         Ok(self.call_result(output, &limits)?)
     }
 
+    /// Starts a process with a command line.
     pub(crate) fn start_command(
         &self,
         words: &[OsString],
@@ -408,6 +409,7 @@ impl Decoder {
         ))
     }
 
+    /// Converts the output of a call to a `CallResult`.
     fn call_result(&self, result: CallOutput, limits: &CallLimits) -> Result<CallResult, Trouble> {
         let mut exit = None;
         let output = match result.ended {

@@ -83,6 +83,7 @@ impl Scratch {
         self.roots[self.work_root].path()
     }
 
+    /// Creates a workspace for one process.
     pub(crate) fn workspace(&self) -> Result<Workspace<'_>, Trouble> {
         let name = self.next.fetch_add(1, Ordering::Relaxed).to_string();
         let known = self.free.lock().expect("nothing panics here").pop();

@@ -143,6 +143,7 @@ impl<'a> Servers<'a> {
     }
 }
 
+/// A serving process.
 struct Server<'a> {
     call: Call,
     /// Standard input, or `None` after it is closed.
@@ -424,6 +425,7 @@ fn read_frame(bytes: &[u8], length: u64, max_bytes: usize) -> Result<Option<Answ
     Ok(Some(Answer::Decoded(frame)))
 }
 
+/// Returns the message for a line that is not an answer.
 fn unexpected_line_message(line: &[u8], sequence: u64) -> String {
     let hint = match line {
         [.., b'\r'] => "; is standard output in text mode?",
@@ -442,6 +444,7 @@ fn parse_digits(word: &[u8]) -> Option<u64> {
     number.parse().ok().filter(|_| plain)
 }
 
+/// Quotes the start of `bytes` for a message.
 fn quote_start(bytes: &[u8]) -> String {
     let shown = &bytes[..bytes.len().min(40)];
     let more = if bytes.len() > shown.len() { "…" } else { "" };

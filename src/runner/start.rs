@@ -11,6 +11,7 @@ use std::path::Path;
 /// The reason why a program cannot be started, and a remedy.
 pub(crate) type Obstacle = (String, String);
 
+/// Returns an obstacle as an error.
 fn obstacle(message: String, next: impl Into<String>) -> Result<(), Obstacle> {
     Err((message, next.into()))
 }

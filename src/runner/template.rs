@@ -198,6 +198,7 @@ impl Template {
     }
 }
 
+/// Splits a word into pieces.
 fn pieces(word: &str, is_program: bool, names: &[&str]) -> Result<Vec<TemplatePiece>, String> {
     let mut pieces = Vec::new();
     let mut text = String::new();
@@ -280,6 +281,7 @@ pub(crate) fn make_absolute(word: &OsStr, is_program: bool) -> Result<OsString, 
     }
 }
 
+/// The output file of a call.
 pub(crate) struct OutputFile {
     directory: OwnedFd,
     name: String,

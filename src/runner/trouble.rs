@@ -43,6 +43,7 @@ impl Trouble {
         Trouble(format!("cannot {task}: {error}{remedy}"))
     }
 
+    /// Returns the message for the user.
     pub(crate) fn into_text(self) -> String {
         self.0
     }

@@ -211,7 +211,6 @@ impl Case {
         }
     }
 
-    /// Generates a file from a recipe. Returns the file with its fields and values.
     fn write(&self, recipe: &Recipe, damage: Option<&Damage>) -> (Vec<u8>, Vec<Field>, Values) {
         let model = Model::paint(recipe);
         let written = write(recipe, &model);

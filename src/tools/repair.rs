@@ -112,7 +112,6 @@ impl<'a> LenientHeader<'a> {
         })
     }
 
-    /// Returns a file with a legal header, and describes the changes.
     fn into_legal_file(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
         const WHITESPACE: &str = "replaced the whitespace in the header with spaces and line feeds";
         let normalized = self.to_bytes();

@@ -17,7 +17,6 @@
 use crate::codec::markers::{DNL, Marker};
 use crate::codec::stream_error::{StreamError, malformed, unsupported};
 
-/// Returns the error for an unexpected marker.
 pub(super) fn unexpected_marker(marker: Marker, expected: &str) -> StreamError {
     let process = match marker.code {
         0xC2 => "progressive coding",

@@ -128,7 +128,6 @@ fn interpretations(bytes: &[u8], expected: &Expected) -> Vec<Interpretation> {
     results
 }
 
-/// Converts bytes, or floats of 4 or 8 bytes, to numbers.
 fn numbers(bytes: &[u8], width: usize, is_big_endian: bool) -> Vec<f64> {
     let number = |sample: &[u8]| {
         let mut sample = sample.to_vec();

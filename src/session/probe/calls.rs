@@ -55,7 +55,6 @@ impl Calls<'_> {
         (other.as_ref().unwrap_or(self.decoder)).ask(&request, self.scratch)
     }
 
-    /// Returns a template with words before and after the command.
     fn template_around(&self, before: &[&str], after: &[&str]) -> Template {
         let before = before.iter().map(OsString::from);
         let after = after.iter().map(OsString::from);

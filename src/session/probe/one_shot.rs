@@ -32,7 +32,6 @@ impl FileReplies {
         FileReplies { sample, replies }
     }
 
-    /// Requests a file of a format in the table spelling that the decoder reads best.
     fn request_in_best_spelling(calls: &Calls, format: Format) -> FileReplies {
         let mut samples = Sample::samples_in_all_spellings(format);
         let first = samples.next().expect("every format has a spelling");

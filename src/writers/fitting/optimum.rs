@@ -27,7 +27,6 @@ pub fn optimum(set: &ImageSet, format: Format) -> Ptm {
     FittedMap::new(set, &directions(set), format).quantize(set, format)
 }
 
-/// Returns `lu` and `lv` of each light.
 pub(super) fn directions(set: &ImageSet) -> Vec<[f64; 2]> {
     set.photographs.iter().map(Photograph::direction).collect()
 }
