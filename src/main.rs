@@ -56,7 +56,7 @@ enum Command {
     Report(cli::report::ReportArgs),
     #[cfg(unix)]
     Coverage(cli::coverage::CoverageArgs),
-    /// When standard input ends, kills all processes that RUN left behind or that run in DIRECTORIES, and removes the
+    /// When standard input ends, kills all processes that RUN left or that run in DIRECTORIES, and removes the
     /// directories.
     #[cfg(unix)]
     #[command(hide = true)]

@@ -287,7 +287,6 @@ fn list_codes(args: &LintArgs) -> CommandResult {
     Ok(0)
 }
 
-/// Parses `PTM-W301=error`.
 fn parse_severity(text: &str) -> Result<(String, Severity), String> {
     let severities = [Severity::Error, Severity::Warning, Severity::Info];
     let pair = text.split_once('=').and_then(|(code, level)| {

@@ -64,7 +64,7 @@ pub fn print(text: &str) {
 pub fn print_error(text: &str) {
     let width = columns(terminal_size::terminal_size_of(std::io::stderr()));
     let lines = text.lines().flat_map(|line| wrap_line(line, width));
-    let lines: String = lines.map(|line| format!("{line}\n")).collect();
+    let lines: String = lines.map(|line| line + "\n").collect();
     let _ = std::io::stderr().write_all(lines.as_bytes());
 }
 

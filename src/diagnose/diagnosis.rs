@@ -4,8 +4,9 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{tuning::is_most, witness::Witness, words::shared_clause};
+use super::{tuning::is_most, witness::Witness};
 use crate::misreadings::{Hook, Misreading};
+use crate::ptm::Format;
 
 /// A cause and the cases that it explains.
 pub struct Diagnosis<A: 'static = Hook> {
@@ -170,4 +171,17 @@ fn most_frequent_clause<'a>(witnesses: &'a [Witness], indices: &[usize]) -> &'a 
     let mut clauses = indices.iter().map(clause);
     let most = clauses.find(|&one| is_most(count(one), indices.len()));
     most.unwrap_or_else(|| shared_clause(witnesses, indices))
+}
+
+/// Returns the clause about the layout that these files share: the layout of their format, of tables, or of compressed planes. If
+/// the layouts differ in other ways, returns the clause about the header.
+fn shared_clause(witnesses: &[Witness], indices: &[usize]) -> &'static str {
+    let formats = indices.iter().map(|&w| witnesses[w].case.format());
+    let formats: Vec<Format> = formats.collect();
+    let first = formats[0].layout_clause();
+    match formats.iter().all(|format| format.layout_clause() == first) {
+        true => first,
+        false if formats.iter().all(|format| format.has_table()) => "2.5/1",
+        false => "2.0/1",
+    }
 }

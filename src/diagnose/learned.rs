@@ -15,7 +15,6 @@ use crate::ptm::{Coding, Ptm};
 /// Stored values that could produce an output value: one flag for each value from 0 to 255.
 type Candidates = [bool; 256];
 
-/// Observed outputs for one correct value.
 struct ObservedOutputs {
     /// For each stored value, the number of texels that it could explain.
     votes: [usize; 256],

@@ -50,7 +50,6 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
     }
 }
 
-/// Returns only those fields of an answer that the case checks.
 fn checked_fields(case: &TextureCase, answer: &Value) -> Value {
     let fields = case.expect.as_object().into_iter().flatten();
     let kept = fields.filter_map(|(name, _)| Some((name.clone(), answer.get(name)?.clone())));

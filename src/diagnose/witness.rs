@@ -6,7 +6,6 @@ use std::sync::{Arc, OnceLock};
 
 use super::stream_cache::decode_stream_cached;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
-use super::words::uniform::uniform_value;
 use crate::decode::{Alternative, decode_as, examine_as};
 use crate::generate::Model;
 use crate::kit::parallel::map_in_parallel;
@@ -476,5 +475,18 @@ pub fn equal_up_to_rounding(a: &Frame, b: &Frame) -> bool {
             .zip(y)
             .all(|(x, y)| is_close(f64::from(*x), f64::from(*y), 0.0) || x.is_nan() && y.is_nan()),
         _ => false,
+    }
+}
+
+/// Returns the value that all samples in an image share, if any.
+pub(super) fn uniform_value(frame: &Frame) -> Option<f32> {
+    fn uniform<T: Copy + PartialEq + Into<f32>>(samples: &[T]) -> Option<f32> {
+        let first = *samples.first()?;
+        let is_equal = samples.iter().all(|&sample| sample == first);
+        is_equal.then_some(first.into())
+    }
+    match &frame.samples {
+        Samples::U8(samples) => uniform(samples),
+        Samples::F32(samples) => uniform(samples),
     }
 }

@@ -106,7 +106,6 @@ impl WriterInput {
         write(&self.recipe, &self.model).bytes
     }
 
-    /// Returns all inputs that are one step simpler than this one.
     fn simpler_inputs(&self) -> Vec<WriterInput> {
         let sizes = smaller_sizes(self.recipe.size).into_iter();
         let mut all: Vec<WriterInput> = sizes.filter_map(|size| self.crop_to(size)).collect();

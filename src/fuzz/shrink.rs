@@ -38,7 +38,6 @@ pub(super) fn shrink<T, W: Ord>(
     }
 }
 
-/// Returns sizes with a smaller width, a smaller height or both.
 pub(super) fn smaller_sizes(Size { width, height }: Size) -> Vec<Size> {
     let smaller = |side: u32| {
         let steps = [1, 2, side / 2, side - side / 4];

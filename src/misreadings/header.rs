@@ -192,7 +192,6 @@ fn has_leading_zero(text: &str) -> bool {
     text.len() > 1 && text.starts_with('0')
 }
 
-/// Returns `known` if the text starts with it.
 fn shorten(text: &str, known: &str) -> Option<String> {
     text.starts_with(known).then(|| known.to_owned())
 }

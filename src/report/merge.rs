@@ -147,7 +147,6 @@ fn read<T: DeserializeOwned>(path: &Path) -> Result<(Vec<RecordedAnswer<T>>, Tra
     Err("the last line is missing; was the run interrupted?".to_owned())
 }
 
-/// Checks that `ends` are the trailers of all parts of one run.
 fn check_parts(ends: &[(&Path, Trailer)]) -> Result<(), String> {
     let Some((first_path, first)) = ends.first() else {
         return Err("no reports to merge".to_owned());

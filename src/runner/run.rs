@@ -389,7 +389,9 @@ impl Decoder {
         scratch: &Scratch,
     ) -> Result<Vec<u8>, String> {
         if self.template.is_some() {
-            return Err("the command line has no placeholder for this word".to_owned());
+            return Err(format!(
+                "the command line has no placeholder for the argument {word}"
+            ));
         }
         let result = self.retry(|| {
             let workspace = scratch.workspace()?;

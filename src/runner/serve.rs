@@ -68,7 +68,7 @@ pub struct Servers<'a> {
     decoder: &'a Decoder,
     scratch: &'a Scratch,
     jobs: Vec<Mutex<Option<Server<'a>>>>,
-    /// Number of answered requests, over all processes.
+    /// Number of answered requests, across all processes.
     answered_count: AtomicUsize,
     /// Number of unanswered requests, counted until the first answer.
     unanswered_count: AtomicUsize,

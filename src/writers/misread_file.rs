@@ -41,7 +41,7 @@ pub fn is_right_only_with(request: &WriteRequest, file: &[u8], mistakes: &[&Misr
     requires_mistakes(file, mistakes, |seen| seen.is_right(request))
 }
 
-/// Returns true if `file` contains the values that only a reader with this mistake sees in the right file.
+/// Returns true if `file` contains the wrong values that a reader with this mistake would see in the right file.
 fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> bool {
     if let Some(seen) = edit_bytes(right, mistake)
         && payload(&seen) != payload(right)

@@ -141,31 +141,10 @@ impl Phase {
 /// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes found.
 pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagnosis> {
     let mut steps = search.par_map(left, |&w| first_difference(search, set, w));
+    follow_streams(search.witnesses, left, &mut steps);
     let format = |w: usize| search.witnesses[w].case.format();
-    for coding in [Coding::Jpeg, Coding::JpegLs] {
-        let mut in_coding: Vec<usize> = (0..left.len()).collect();
-        in_coding.retain(|&i| format(left[i]).coding() == Some(coding));
-        let count = |step| in_coding.iter().filter(|i| steps[**i] == step).count();
-        let [streams, predictions, corrections] =
-            [Phase::Stream, Phase::Prediction, Phase::Correction].map(count);
-        let others = streams + count(Phase::Rearranged) + count(Phase::StoredValue);
-        for i in in_coding {
-            steps[i] = match steps[i] {
-                // A few images may differ only at corrected texels by chance.
-                Phase::Correction if others + predictions > corrections => Phase::StoredValue,
-                // Wrong residuals explain wrong predicted planes if more files have wrong planes that are not predicted.
-                Phase::Prediction if others > predictions && streams > 0 => Phase::Stream,
-                Phase::Prediction if others > predictions => Phase::StoredValue,
-                step => step,
-            };
-        }
-    }
-    // If files without streams also have wrong values, the mistake is in a step after the streams.
-    if steps.contains(&Phase::StoredValue) {
-        let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
-        streams.for_each(|step| *step = Phase::StoredValue);
-    }
     let mut step_of: HashMap<usize, Phase> = left.iter().copied().zip(steps).collect();
+    drop_chance_permutations(search.witnesses, &mut step_of);
     follow_earlier_steps(search, set, &mut step_of);
     let mut by_step: BTreeMap<Phase, Vec<usize>> = BTreeMap::new();
     for w in left {
@@ -206,10 +185,53 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
     diagnoses
 }
 
+/// Attributes wrong predicted planes and texels with side information to the streams if most images have other wrong samples.
+fn follow_streams(witnesses: &[Witness], left: &[usize], steps: &mut [Phase]) {
+    let format = |w: usize| witnesses[w].case.format();
+    for coding in [Coding::Jpeg, Coding::JpegLs] {
+        let mut in_coding: Vec<usize> = (0..left.len()).collect();
+        in_coding.retain(|&i| format(left[i]).coding() == Some(coding));
+        let count = |step| in_coding.iter().filter(|i| steps[**i] == step).count();
+        let [streams, predictions, corrections] =
+            [Phase::Stream, Phase::Prediction, Phase::Correction].map(count);
+        let others = streams + count(Phase::Rearranged) + count(Phase::StoredValue);
+        for i in in_coding {
+            steps[i] = match steps[i] {
+                // A few images may differ only at corrected texels by chance.
+                Phase::Correction if others + predictions > corrections => Phase::StoredValue,
+                // Wrong residuals explain wrong predicted planes if more files have wrong planes that are not predicted.
+                Phase::Prediction if others > predictions && streams > 0 => Phase::Stream,
+                Phase::Prediction if others > predictions => Phase::StoredValue,
+                step => step,
+            };
+        }
+    }
+    // If files without streams also have wrong values, the mistake is in a step after the streams.
+    if steps.contains(&Phase::StoredValue) {
+        let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
+        streams.for_each(|step| *step = Phase::StoredValue);
+    }
+}
+
+/// Replaces [`Phase::Rearranged`] unless it applies to most wrong images of a format. A few values, or similar ones, may be
+/// permuted by chance.
+fn drop_chance_permutations(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
+    for format in Format::ALL {
+        let mut in_format: Vec<usize> = steps.keys().copied().collect();
+        in_format
+            .retain(|&w| steps[&w] >= Phase::Rearranged && witnesses[w].case.format() == format);
+        let all = in_format.len();
+        in_format.retain(|w| steps[w] == Phase::Rearranged);
+        if !is_most(in_format.len(), all) {
+            let plain = |w: usize| (w, Phase::for_view(witnesses[w].observation.view.kind()));
+            steps.extend(in_format.into_iter().map(plain));
+        }
+    }
+}
+
 /// Attributes wrong final values and colors to a step of an earlier view if the earlier view has more than half as many
-/// unexplained wrong images as the later view, and at least half its share of wrong images. Images are counted in the same format, or in all formats with wrong images in the
-/// earlier view. Images that are described elsewhere also count. [`Phase::Rearranged`] is used only if it applies to most wrong
-/// images of the format.
+/// unexplained wrong images as the later view, and at least half its share of wrong images. Images are counted in the same format,
+/// or in all formats with wrong images in the earlier view. Images that are described elsewhere also count.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -227,16 +249,6 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
         all.iter().copied().filter(is_member).collect()
     };
     for format in Format::ALL {
-        let mut in_format: Vec<usize> = steps.keys().copied().collect();
-        in_format
-            .retain(|&w| steps[&w] >= Phase::Rearranged && witnesses[w].case.format() == format);
-        let all = in_format.len();
-        in_format.retain(|w| steps[w] == Phase::Rearranged);
-        // A few values, or similar ones, may be permuted by chance.
-        if !is_most(in_format.len(), all) {
-            let plain = |w: usize| (w, Phase::for_view(witnesses[w].observation.view.kind()));
-            steps.extend(in_format.into_iter().map(plain));
-        }
         let views = [
             (ViewKind::Coef, &[ViewKind::Raw][..]),
             (ViewKind::Rgb, &[ViewKind::Raw, ViewKind::Coef]),
@@ -248,8 +260,8 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
                 };
                 let formats: Vec<Format> = Format::ALL.into_iter().filter(is_wrong).collect();
                 let is_enough = |formats: &[Format]| {
-                    let before = in_view(&open, **earlier, formats).len();
-                    let after = in_view(&open, view, formats).len();
+                    let [before, after] =
+                        [**earlier, view].map(|view| in_view(&open, view, formats).len());
                     let [all_before, all_after] =
                         [**earlier, view].map(|view| in_view(&images, view, formats).len());
                     is_most(before, after) && 2 * before * all_after >= after * all_before

@@ -55,19 +55,6 @@ fn has_unjudged_files(witnesses: &[Witness], indices: &[usize]) -> bool {
     })
 }
 
-/// Returns the clause about the layout that these files share: the layout of their format, of tables, or of compressed planes. If
-/// the layouts differ in other ways, returns the clause about the header.
-pub(super) fn shared_clause(witnesses: &[Witness], indices: &[usize]) -> &'static str {
-    let formats = indices.iter().map(|&w| witnesses[w].case.format());
-    let formats: Vec<Format> = formats.collect();
-    let first = formats[0].layout_clause();
-    match formats.iter().all(|format| format.layout_clause() == first) {
-        true => first,
-        false if formats.iter().all(|format| format.has_table()) => "2.5/1",
-        false => "2.0/1",
-    }
-}
-
 /// Maximum number of formats in a list. Longer lists are omitted.
 const MAX_FORMATS: usize = 4;
 

@@ -3,8 +3,8 @@
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::tuning::{MIN_SUPPORT, is_few, is_most};
-use crate::diagnose::witness::Witness;
-use crate::protocol::frame::{Frame, Samples, ViewKind};
+use crate::diagnose::witness::{Witness, uniform_value};
+use crate::protocol::frame::{Frame, ViewKind};
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
@@ -79,17 +79,4 @@ fn find_uniform_images(witnesses: &[Witness], failing: &[usize]) -> Vec<(String,
         }
     }
     found
-}
-
-/// Returns the value that all samples in an image share, if any.
-pub(in crate::diagnose) fn uniform_value(frame: &Frame) -> Option<f32> {
-    fn uniform<T: Copy + PartialEq + Into<f32>>(samples: &[T]) -> Option<f32> {
-        let first = *samples.first()?;
-        let is_equal = samples.iter().all(|&sample| sample == first);
-        is_equal.then_some(first.into())
-    }
-    match &frame.samples {
-        Samples::U8(samples) => uniform(samples),
-        Samples::F32(samples) => uniform(samples),
-    }
 }

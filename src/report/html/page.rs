@@ -95,7 +95,6 @@ fn results<C: Reportable>(suite: &Suite<C>, report: &Report) -> Markup {
     }
 }
 
-/// Returns the filter value for an outcome, without spaces.
 fn filter_value(outcome: Outcome) -> String {
     outcome.name().replace(' ', "-")
 }

@@ -67,7 +67,6 @@ pub struct ProbeRequest {
 }
 
 impl Reproduction {
-    /// Creates a reproduction with one request for a file.
     pub(super) fn one_shot(
         view: &dyn Display,
         file_name: impl Into<String>,

@@ -23,8 +23,8 @@ pub(super) fn diagnose(findings: &mut Findings) {
     }
 }
 
-/// Reports an image size if the planes would exceed the memory limit, even if the file is truncated. Returns true if the size was
-/// reported.
+/// Reports the image size as too large if the planes would exceed the memory limit, even if the file is truncated. Returns true
+/// if the size was reported.
 fn diagnose_size(findings: &mut Findings) -> bool {
     let dissection = findings.dissection;
     let (Some(format), Some(size)) = (dissection.format, dissection.size) else {

@@ -29,7 +29,7 @@ pub struct SetPlan {
     brightness: f64,
     /// Maximum noise added to a pixel value.
     noise: u8,
-    /// True if the vectors in the `.lp` file are not unit vectors.
+    /// True if the vectors in the `.lp` file are longer than unit vectors.
     has_long_vectors: bool,
     /// True if the `.lp` file does not list the images in alphabetical order.
     is_shuffled: bool,

@@ -34,7 +34,7 @@ fn documented_capabilities_and_responses_work() {
     let page = repository_text("docs/check.md");
     let lines = page.lines().skip_while(|line| *line != "    protocol: 1");
     let lines = lines.take_while(|line| !line.is_empty());
-    let yaml: String = lines.map(|line| format!("{}\n", line.trim())).collect();
+    let yaml: String = lines.map(|line| [line.trim(), "\n"].concat()).collect();
     let read = Capabilities::read(yaml.as_bytes()).expect("capabilities");
     assert_eq!(read.formats.as_deref(), Some(&Format::ALL[..]));
     assert_eq!(read.views, Some(vec!["raw", "coef", "rgb"]));
