@@ -25,10 +25,11 @@ struct Share {
     with: MistakeSet,
 }
 
-/// Returns a diagnosis for each mistake that explains failures, and the failures that remain unexplained.
+/// Returns a diagnosis for each mistake that explains failures, and the failures that remain unexplained. Removes mistakes with
+/// too little evidence from `found`.
 pub(super) fn attribute_failures(
     search: &Search,
-    found: &[Member],
+    found: &mut Vec<Member>,
 ) -> (Vec<(MistakeId, Diagnosis)>, Vec<usize>) {
     let set = ids_of(found);
     let mut left = Vec::new();
@@ -53,13 +54,21 @@ pub(super) fn attribute_failures(
         .into_iter()
         .filter_map(|whole| diagnose_whole_formats(search, &whole, found, &mut shares, &mut left))
         .collect();
-    for index in 0..set.len() {
-        if is_weak(search, &set, index, &shares[index], &left)
-            || is_incompatible(search, &set, &shares, index)
-            || is_minor(search.witnesses, &shares[index].explains, &left)
-            || is_too_broad(search, set[index], &shares[index].explains, &left)
+    let mut dropped = MistakeSet::new();
+    // Dropping a mistake leaves more failures, which may weaken the others.
+    let mut index = 0;
+    while index < set.len() {
+        if !shares[index].explains.is_empty()
+            && (is_weak(search, &set, index, &shares[index], &left)
+                || is_incompatible(search, &set, &shares, index)
+                || is_minor(search.witnesses, &shares[index].explains, &left)
+                || is_too_broad(search, set[index], &shares[index].explains, &left))
         {
             left.append(&mut shares[index].explains);
+            dropped.push(set[index]);
+            index = 0;
+        } else {
+            index += 1;
         }
     }
     let members = found.iter().zip(shares);
@@ -67,6 +76,7 @@ pub(super) fn attribute_failures(
         .filter(|(_, share)| !share.explains.is_empty())
         .map(|(member, share)| (member.id, diagnose_member(search, member, &share, &left)));
     diagnoses.extend(others);
+    found.retain(|member| !dropped.contains(&member.id));
     (diagnoses, left)
 }
 
@@ -79,7 +89,7 @@ fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool 
     let kind = |w: &usize| witnesses[*w].observation.view.kind();
     let earliest = explained.iter().map(kind).min();
     let format = |w: &usize| witnesses[*w].case.format();
-    let is_image = |w: &usize| witnesses[*w].is_image_of_legal_file();
+    let is_image = |w: &usize| witnesses[*w].is_telling_image();
     let has_same_format = |w: &usize| explained.iter().any(|other| format(other) == format(w));
     let mut open = left.to_vec();
     open.retain(|w| is_image(w) && Some(kind(w)) <= earliest && has_same_format(w));
@@ -101,7 +111,8 @@ fn is_too_broad(search: &Search, id: MistakeId, explained: &[usize], left: &[usi
     }
 }
 
-/// Counts the unexplained wrong images of legal files inside or outside the scope, in formats with explained failures.
+/// Counts the unexplained wrong images of legal files: all those outside the scope, or those inside it that have the format of an
+/// explained failure.
 fn open_images(
     witnesses: &[Witness],
     scope: &FileScope,
@@ -113,9 +124,9 @@ fn open_images(
     let formats: HashSet<Format> = explained.iter().map(format).collect();
     let is_open = |w: &&usize| {
         let witness = &witnesses[**w];
-        witness.is_image_of_legal_file()
+        witness.is_telling_image()
             && scope.contains(witness) == is_inside
-            && formats.contains(&format(w))
+            && (!is_inside || formats.contains(&format(w)))
     };
     left.iter().filter(is_open).count()
 }
@@ -159,7 +170,8 @@ fn diagnose_whole_formats(
 }
 
 /// Returns true if the evidence for a misreading is too weak:
-/// - more than half as many cases contradict it as support it (images of files that it would refuse count as contradictions),
+/// - more cases contradict it than support it, or more than half as many if it explains images (images of files that it would
+///   refuse count as contradictions),
 /// - only malformed files support it, and some case contradicts it,
 /// - only a single legal file supports it, and the response is not an image,
 /// - it explains a crash by a signal, and no image supports it, or
@@ -183,7 +195,8 @@ fn is_weak(search: &Search, set: &[MistakeId], i: usize, share: &Share, left: &[
     let is_single = matches!(explained[..], [w] if witnesses[w].case.expect == Expect::Decode);
     images(explained) == 0 && (is_single || explained.iter().any(is_signal))
         || is_hidden && images(left) > explained.len()
-        || is_most(contradictions, explained.len())
+        || contradictions > explained.len()
+        || images(explained) > 0 && is_most(contradictions, explained.len())
         || contradictions > 0 && is_guess()
 }
 
@@ -242,7 +255,7 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share, left: &[usiz
                 && matches!(witness.observation.response, Response::Rejected)
                 && matches!(*witness.answer(&[&mistake]), Answer::Decoded(_))
         };
-        search.passing.iter().any(accepts)
+        search.run_or_default(|| search.passing.iter().any(accepts))
     };
     if accepted.is_some() {
         alike.retain(|misreading| !accepts_more(misreading));

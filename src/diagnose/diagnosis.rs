@@ -166,7 +166,13 @@ impl Diagnosis {
 
 /// Returns the first clause of most of these cases or, if there is none, the clause about the layout that the files share.
 fn most_frequent_clause<'a>(witnesses: &'a [Witness], indices: &[usize]) -> &'a str {
-    let clause = |w: &usize| &*witnesses[*w].case.clauses[0];
+    let clause = |w: &usize| {
+        witnesses[*w]
+            .case
+            .clauses
+            .first()
+            .map_or("", String::as_str)
+    };
     let count = |clause_of: &str| indices.iter().filter(|w| clause(w) == clause_of).count();
     let mut clauses = indices.iter().map(clause);
     let most = clauses.find(|&one| is_most(count(one), indices.len()));

@@ -110,7 +110,7 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
                 for (channels, count) in channels.iter().zip(&mut counts) {
                     let mut image = unedited.clone();
                     channels.replace(image.to_mut(), &answer);
-                    *count += usize::from(witness.agreement(&image) == Agreement::Image);
+                    *count += usize::from(witness.evidence(&image) == Agreement::Image);
                 }
             }
             counts.iter().any(|&count| count > 0)

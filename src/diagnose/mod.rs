@@ -117,7 +117,7 @@ fn diagnose_by(
         return diagnoses.into();
     }
     search.run_or_default(|| coincidences::remove_coincidences(&search, &mut found));
-    let mut causes = describe(&search, &found);
+    let mut causes = describe(&search, found);
     causes.append(&mut diagnoses);
     // Sort causes by the number of failures that they explain. A certain cause has more weight than a description.
     causes.sort_by_key(|diagnosis| {
@@ -133,15 +133,15 @@ fn diagnose_by(
 }
 
 /// Attributes failures to the mistakes that were found, and describes the remaining failures.
-fn describe(search: &Search, found: &[search::Member]) -> Vec<Diagnosis> {
+fn describe(search: &Search, mut found: Vec<search::Member>) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
-    let (mut attributed, mut left) = attribution::attribute_failures(search, found);
+    let (mut attributed, mut left) = attribution::attribute_failures(search, &mut found);
     let mut causes = search.run_or_default(|| words::uniform::describe(witnesses, &mut left));
     causes.extend(search.run_or_default(|| words::acceptances::describe(witnesses, &mut left)));
     let violation = search.run_or_default(|| words::violation::describe(witnesses, &mut left));
     let refusals = search.run_or_default(|| words::refusals::describe(witnesses, &mut left));
     search.run_or_default(|| {
-        attribution::attribute_partially(search, found, &mut attributed, &mut left);
+        attribution::attribute_partially(search, &found, &mut attributed, &mut left);
     });
     causes.extend(refusals);
     causes.extend(
@@ -151,7 +151,7 @@ fn describe(search: &Search, found: &[search::Member]) -> Vec<Diagnosis> {
     // Without a named mistake, compare images with the reference only.
     let is_cause = |(id, _): &(search::MistakeId, Diagnosis)| *id < search.mistakes.len();
     let set = match attributed.iter().any(is_cause) {
-        true => search::ids_of(found),
+        true => search::ids_of(&found),
         false => search::MistakeSet::new(),
     };
     causes.extend(search.run_or_default(|| words::differences::describe(search, &set, &left)));

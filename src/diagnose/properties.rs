@@ -308,7 +308,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
         ("2.7/3", "whose number of texels is {}", texels),
         ("2.3/1", "whose width is {}", width),
         ("2.3/1", "whose height is {}", height),
-        ("2.3/1", "whose width or height is {}", side),
+        ("2.3/1", "whose larger side is {}", side),
         ("2.0/1", "with {} bytes in one line of the header", longest),
         ("2.5/2", "whose table size is {}", entries),
         ("2.9.4/3", "whose largest rank is {}", rank),

@@ -60,14 +60,30 @@ impl FileScope {
 
     /// Returns text that completes "only …".
     pub fn describe_restriction(&self) -> String {
-        match self {
-            FileScope::Property(index, _) if *index < VIEW_PROPERTIES => self.describe(),
-            _ => format!("in files {}", self.describe()),
+        match self.describe_members() {
+            text if text.starts_with("if ") || text.starts_with("under ") => text,
+            text => format!("in files {text}"),
         }
     }
 
-    /// Returns text that completes "every file …".
+    /// Returns text that completes "every file …", including the nearest value in any other file.
     pub fn describe(&self) -> String {
+        let text = self.describe_members();
+        match self {
+            FileScope::Beyond {
+                is_minimum,
+                other_bound,
+                ..
+            } => {
+                let there = if *is_minimum { "most" } else { "least" };
+                let other = format_bound(*other_bound);
+                format!("{text} (files without this problem: at {there} {other})")
+            }
+            _ => text,
+        }
+    }
+
+    fn describe_members(&self) -> String {
         match self {
             FileScope::All => String::new(),
             FileScope::Formats(formats) => {
@@ -79,27 +95,27 @@ impl FileScope {
                 .map_or(*text, |(_, words)| words)
                 .to_owned(),
             FileScope::Beyond {
+                text: ("2.9.8/4", _),
+                bound: 0.0,
+                ..
+            } => "with compressed planes, but without side information".to_owned(),
+            FileScope::Beyond {
                 text: (_, words),
                 bound,
                 is_minimum,
-                other_bound,
                 ..
             } => {
-                let [bound, other] = [*bound, *other_bound].map(|value| match value.abs() < 1e15 {
-                    true => value.to_string(),
-                    false => format!("{value:e}"),
-                });
-                let [here, there] = match is_minimum {
-                    true => ["least", "most"],
-                    false => ["most", "least"],
-                };
-                let words = words.replace("{}", &format!("at {here} {bound}"));
-                match words == "with at most 0 records in one plane" {
-                    true => "without side information".to_owned(),
-                    false => format!("{words} (files without this problem: at {there} {other})"),
-                }
+                let here = if *is_minimum { "least" } else { "most" };
+                words.replace("{}", &format!("at {here} {}", format_bound(*bound)))
             }
         }
+    }
+}
+
+fn format_bound(value: f64) -> String {
+    match value.abs() < 1e15 {
+        true => value.to_string(),
+        false => format!("{value:e}"),
     }
 }
 

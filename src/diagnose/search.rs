@@ -257,7 +257,7 @@ impl<'a> Search<'a> {
     pub fn agreement_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> Agreement {
         let witness = &self.witnesses[w];
         match witness.can_explain(mistake) {
-            true => witness.agreement(&self.answer_with(w, set, mistake)),
+            true => witness.evidence(&self.answer_with(w, set, mistake)),
             false => Agreement::None,
         }
     }
@@ -321,7 +321,7 @@ impl<'a> Search<'a> {
         if visible_mistakes.is_empty() || visible_mistakes.len() == relevant_ids.len() {
             return false;
         }
-        let explains = |answer: &Cow<Answer>| self.witnesses[w].agreement(answer).explains();
+        let explains = |answer: &Cow<Answer>| self.witnesses[w].evidence(answer).explains();
         self.answers_of_variants(w, &relevant_ids)
             .iter()
             .any(explains)
@@ -516,7 +516,7 @@ impl<'a> Search<'a> {
     fn answer_effect(&self, w: usize, answer: &Answer) -> SetEffect {
         SetEffect {
             score: self.score_of_answer(w, answer),
-            agreement: self.witnesses[w].agreement(answer),
+            agreement: self.witnesses[w].evidence(answer),
             answer: self.fingerprint(w, answer),
         }
     }
@@ -541,7 +541,7 @@ impl<'a> Search<'a> {
             Expect::Lenient | Expect::Robust | Expect::Spelling
         );
         if witness.failed {
-            match witness.agreement(answer) {
+            match witness.evidence(answer) {
                 Agreement::None => partial_credit(witness, answer),
                 agreement => agreement_score(agreement),
             }

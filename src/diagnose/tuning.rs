@@ -90,14 +90,3 @@ pub(super) fn is_nearly_all(part: usize, whole: usize) -> bool {
     let [numerator, denominator] = NEARLY_ALL_RATIO;
     part > 0 && part * denominator >= whole * numerator
 }
-
-#[cfg(test)]
-mod tests {
-    /// Every constant may have a wrong value, so there should be few of them.
-    #[test]
-    fn there_are_at_most_thirty_tuning_constants() {
-        let is_number = |line: &&str| line.starts_with("pub") && line.contains(" const ");
-        let count = include_str!("tuning.rs").lines().filter(is_number).count();
-        assert!((1..=30).contains(&count), "{count} constants");
-    }
-}

@@ -236,6 +236,11 @@ impl Witness<'_> {
         is_image && self.case.expect == Expect::Decode
     }
 
+    /// Returns true if the response is an image of a legal file, and the image is evidence.
+    pub fn is_telling_image(&self) -> bool {
+        self.is_image_of_legal_file() && !self.is_blank_by_mistake()
+    }
+
     /// Returns true if all samples of the received image are equal, although those of the correct image are not. Many mistakes
     /// produce such an image.
     pub fn is_blank_by_mistake(&self) -> bool {
@@ -245,6 +250,14 @@ impl Witness<'_> {
             _ => None,
         };
         received.is_some() && expected.is_none()
+    }
+
+    /// Returns how well `answer` agrees with the response to a failing case, if the response is evidence.
+    pub fn evidence(&self, answer: &Answer) -> Agreement {
+        match self.agreement(answer) {
+            Agreement::Image if self.is_blank_by_mistake() => Agreement::None,
+            agreement => agreement,
+        }
     }
 
     /// Returns how well `answer` agrees with the response to a failing case.
@@ -260,8 +273,7 @@ impl Witness<'_> {
                 Answer::Decoded(image),
             ) if equal_up_to_rounding(actual, image)
                 && (!self.equals_reference(image) || self.is_closer_to_response(image, actual))
-                && self.is_significant_match(image, actual)
-                && !self.is_blank_by_mistake() =>
+                && self.is_significant_match(image, actual) =>
             {
                 Agreement::Image
             }

@@ -119,19 +119,3 @@ pub(crate) fn dialect_images(
     };
     Arc::clone(known.entry(view.to_string()).or_insert_with(make))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn dialect_index_round_trips() {
-        let some = CHOICES.axes(&["motion-border", "lum-major", "side-lossless"]);
-        let all = CHOICES.combinations(&some);
-        assert_eq!(all.len(), 12);
-        assert_eq!(all[0], CHOICES.reference());
-        for (place, dialect) in all.iter().enumerate() {
-            assert_eq!(CHOICES.combination_index(dialect, &some), place);
-        }
-    }
-}

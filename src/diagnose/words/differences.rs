@@ -70,7 +70,7 @@ impl Phase {
                 "compare the order of rows, columns, blocks and channels with the clause",
             ],
             Phase::Stream => [
-                "shows wrong values, also in planes that are neither predicted nor corrected",
+                "shows wrong values that wrong samples of a stream would explain",
                 "decode the stream in the example with another JPEG or JPEG-LS decoder; if the samples are equal, the mistake is in a later step",
             ],
             Phase::Prediction => [
@@ -85,10 +85,7 @@ impl Phase {
                 "shows wrong stored values",
                 "compare the bytes that the example names with the values that the decoder reads there",
             ],
-            Phase::FinalValue => [
-                "shows wrong final values",
-                "compute the example by hand from the bytes that it names",
-            ],
+            Phase::FinalValue => ["shows wrong final values", "compute the example by hand"],
             Phase::Color => [
                 "shows wrong colors",
                 "compute the example by hand: final values first, then the polynomial, then the color",
@@ -99,14 +96,13 @@ impl Phase {
     fn can_affect(self, witness: &Witness) -> bool {
         let coded = witness.model().and_then(|model| model.compressed.as_ref());
         let is_identity = |pair: &ScaleBias| pair.scale == [1.0; 6] && pair.bias == [0.0; 6];
-        let ptm = witness.decoded();
         match self {
             Phase::Prediction => coded.is_some_and(|coded| coded.plan.predicts()),
             Phase::Correction => coded
                 .is_some_and(|coded| coded.planes.iter().any(|plane| !plane.records.is_empty())),
-            Phase::FinalValue => !ptm
-                .as_ref()
-                .is_ok_and(|ptm| is_identity(&ptm.header.scale_bias)),
+            Phase::FinalValue => {
+                !matches!(witness.decoded(), Ok(ptm) if is_identity(&ptm.header.scale_bias))
+            }
             _ => true,
         }
     }
@@ -140,11 +136,11 @@ impl Phase {
 
 /// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes found.
 pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagnosis> {
-    let mut steps = search.par_map(left, |&w| first_difference(search, set, w));
-    follow_streams(search.witnesses, left, &mut steps);
+    let steps = search.par_map(left, |&w| first_difference(search, set, w));
     let format = |w: usize| search.witnesses[w].case.format();
     let mut step_of: HashMap<usize, Phase> = left.iter().copied().zip(steps).collect();
     drop_chance_permutations(search.witnesses, &mut step_of);
+    follow_streams(search.witnesses, &mut step_of);
     follow_earlier_steps(search, set, &mut step_of);
     let mut by_step: BTreeMap<Phase, Vec<usize>> = BTreeMap::new();
     for w in left {
@@ -185,36 +181,45 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
     diagnoses
 }
 
-/// Attributes wrong predicted planes and texels with side information to the streams if most images have other wrong samples.
-fn follow_streams(witnesses: &[Witness], left: &[usize], steps: &mut [Phase]) {
+/// Attributes wrong samples to the streams if the streams may explain most images of a coding.
+fn follow_streams(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
     let format = |w: usize| witnesses[w].case.format();
     for coding in [Coding::Jpeg, Coding::JpegLs] {
-        let mut in_coding: Vec<usize> = (0..left.len()).collect();
-        in_coding.retain(|&i| format(left[i]).coding() == Some(coding));
-        let count = |step| in_coding.iter().filter(|i| steps[**i] == step).count();
-        let [streams, predictions, corrections] =
-            [Phase::Stream, Phase::Prediction, Phase::Correction].map(count);
+        let mut in_coding: Vec<usize> = steps.keys().copied().collect();
+        in_coding.retain(|&w| format(w).coding() == Some(coding));
+        let count = |step| in_coding.iter().filter(|w| steps[*w] == step).count();
+        let streams = count(Phase::Stream);
+        let [predictions, corrections] = [Phase::Prediction, Phase::Correction].map(count);
         let others = streams + count(Phase::Rearranged) + count(Phase::StoredValue);
-        for i in in_coding {
-            steps[i] = match steps[i] {
+        let early = if streams > 0 {
+            Phase::Stream
+        } else {
+            Phase::StoredValue
+        };
+        for w in in_coding {
+            let is_late = match steps[&w] {
                 // A few images may differ only at corrected texels by chance.
-                Phase::Correction if others + predictions > corrections => Phase::StoredValue,
+                Phase::Correction => others + predictions > corrections,
                 // Wrong residuals explain wrong predicted planes if more files have wrong planes that are not predicted.
-                Phase::Prediction if others > predictions && streams > 0 => Phase::Stream,
-                Phase::Prediction if others > predictions => Phase::StoredValue,
-                step => step,
+                Phase::Prediction => others > predictions,
+                step => step == Phase::StoredValue,
             };
+            if is_late {
+                steps.insert(w, early);
+            }
         }
     }
     // If files without streams also have wrong values, the mistake is in a step after the streams.
-    if steps.contains(&Phase::StoredValue) {
-        let streams = steps.iter_mut().filter(|step| **step == Phase::Stream);
+    let is_plain =
+        |(&w, step): (&usize, &Phase)| *step == Phase::StoredValue && format(w).coding().is_none();
+    if steps.iter().any(is_plain) {
+        let streams = steps.values_mut().filter(|step| **step == Phase::Stream);
         streams.for_each(|step| *step = Phase::StoredValue);
     }
 }
 
-/// Replaces [`Phase::Rearranged`] unless it applies to most wrong images of a format. A few values, or similar ones, may be
-/// permuted by chance.
+/// Replaces [`Phase::Rearranged`] by the last step of the view unless it applies to most wrong images of a format. A few values,
+/// or similar ones, may be permuted by chance.
 fn drop_chance_permutations(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
     for format in Format::ALL {
         let mut in_format: Vec<usize> = steps.keys().copied().collect();
@@ -231,7 +236,8 @@ fn drop_chance_permutations(witnesses: &[Witness], steps: &mut HashMap<usize, Ph
 
 /// Attributes wrong final values and colors to a step of an earlier view if the earlier view has more than half as many
 /// unexplained wrong images as the later view, and at least half its share of wrong images. Images are counted in the same format,
-/// or in all formats with wrong images in the earlier view. Images that are described elsewhere also count.
+/// or in all formats with wrong images in the earlier view. Images that are described elsewhere also count. The step must be able to
+/// affect the file.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -270,17 +276,15 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
             };
             let known = |w: &usize| steps.get(w).copied().unwrap_or(Phase::StoredValue);
             let first = earlier.iter().find(explains);
-            let first =
-                first.and_then(|first| in_view(&open, *first, &[format]).iter().map(known).max());
-            let Some(first) = first else {
-                continue;
-            };
+            let first = first.map(|first| in_view(&open, *first, &[format]));
+            let known: BTreeSet<Phase> = first.iter().flatten().map(known).collect();
             for (w, step) in steps.iter_mut() {
                 let witness = &witnesses[*w];
                 let is_member =
                     (witness.case.format(), witness.observation.view.kind()) == (format, view);
-                if is_member && *step >= Phase::FinalValue && first.can_affect(witness) {
-                    *step = first;
+                if is_member && *step >= Phase::FinalValue {
+                    let last = known.iter().rfind(|known| known.can_affect(witness));
+                    *step = last.copied().unwrap_or(*step);
                 }
             }
         }
@@ -363,9 +367,10 @@ fn difference_text(
         _ => clause,
     };
     let [effect, fix] = step.effect_and_fix();
-    let effect = match swapped_channels(search, set, indices, &wrong) {
-        Some([first, second]) => format!("swaps {first} and {second}"),
-        None => format!("{effect}{}", channel_text(&wrong)),
+    let [_, swap_fix] = Phase::Rearranged.effect_and_fix();
+    let (effect, fix) = match swapped_channels(search, set, indices, &wrong) {
+        Some([first, second]) => (format!("swaps {first} and {second}"), swap_fix),
+        None => (format!("{effect}{}", channel_text(&wrong)), fix),
     };
     let views = views_phrase(witnesses, indices);
     let text = CauseText {
@@ -415,7 +420,7 @@ pub(in crate::diagnose) fn wrong_channels(
     (0..count).map(is_wrong).collect()
 }
 
-/// Returns the names of the two wrong channels if each has the correct values of the other in all images.
+/// Returns the names of the two wrong channels if swapping them corrects all images. Images are compared as in [`image_pair`].
 fn swapped_channels(
     search: &Search,
     set: &[MistakeId],
@@ -558,7 +563,7 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     };
     let mut samples = pair.wrong_samples();
     samples.retain(|i| is_root(i % pair.channels));
-    if samples.iter().all(is_corrected) {
+    if !samples.is_empty() && samples.iter().all(is_corrected) {
         Phase::Correction
     } else if (0..wrong.len()).all(|plane| !wrong[plane] || is_predicted(plane)) {
         Phase::Prediction

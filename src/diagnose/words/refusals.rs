@@ -7,7 +7,6 @@ use crate::diagnose::{failure_mode::FailureMode, scope::shared_scope, witness::W
 use crate::kit::last_message::last_message;
 use crate::misreadings::{Misreading, Symptom};
 use crate::ptm::Format;
-use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
 /// Describes refusals by a property that the refused files share and no decoded file has. Removes these files from `left`.
@@ -75,10 +74,7 @@ pub fn shared_failures(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usiz
 
 /// Returns the legal files that the decoder reads, correctly or not. Files that fail in another way are not evidence.
 fn files_read(witnesses: &[Witness]) -> Vec<usize> {
-    let is_read = |w: &usize| {
-        witnesses[*w].case.expect == Expect::Decode
-            && matches!(witnesses[*w].observation.response, Response::Image { .. })
-    };
+    let is_read = |w: &usize| witnesses[*w].is_image_of_legal_file();
     (0..witnesses.len()).filter(is_read).collect()
 }
 

@@ -128,7 +128,7 @@ verdict: pass | verdict: pass↵baseline:↵  known: [a]↵  new: []↵  stale: 
 #[test]
 fn hostile_reports_are_refused_with_a_line() {
     let (here, old) = workspace_with_report();
-    let bomb: String = (1..30)
+    let bomb: Vec<String> = (1..30)
         .map(|i| format!("b{i}: &b{i} [*b{0}, *b{0}]\n", i - 1))
         .collect();
     for (text, says) in [
@@ -143,7 +143,7 @@ fn hostile_reports_are_refused_with_a_line() {
             old.replacen("  outcome: pass", "  outcome: {a: b}", 1),
             "line ",
         ),
-        (format!("b0: &b0 [x, x]\n{bomb}"), "line 1"),
+        ("b0: &b0 [x, x]\n".to_owned() + &bomb.concat(), "line 1"),
         (format!("tool: {}", "[".repeat(100_000)), "line 1"),
         (format!("tool: {}\n", "x".repeat(5_000_000)), "line 1"),
         ("\u{1}\u{2}".to_owned(), "line 1"),

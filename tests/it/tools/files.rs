@@ -423,7 +423,7 @@ fn test_in_the_corpus_readme_passes() {
     let snippet: String = readme
         .lines()
         .filter_map(|line| line.strip_prefix("    "))
-        .map(|line| format!("{line}\n"))
+        .map(|line| [line, "\n"].concat())
         .collect();
     assert!(snippet.contains("numpy.load"), "{snippet}");
     // Run the test of the README with the Python decoder. It prints the number of compared answers.
