@@ -70,7 +70,7 @@ impl Phase {
                 "compare the order of rows, columns, blocks and channels with the clause",
             ],
             Phase::Stream => [
-                "shows wrong values that wrong samples of a stream would explain",
+                "shows wrong values, as if some samples of a stream were decoded incorrectly",
                 "decode the stream in the example with another JPEG or JPEG-LS decoder; if the samples are equal, the mistake is in a later step",
             ],
             Phase::Prediction => [
