@@ -25,17 +25,58 @@ struct Share {
     with: MistakeSet,
 }
 
-/// Returns a diagnosis for each mistake that explains failures, and the failures that remain unexplained. Removes mistakes with
-/// too little evidence from `found`.
+/// Returns a diagnosis for each mistake that explains failures, and the failures that remain unexplained. Removes all mistakes
+/// from `found` that are not reported.
 pub(super) fn attribute_failures(
     search: &Search,
     found: &mut Vec<Member>,
 ) -> (Vec<(MistakeId, Diagnosis)>, Vec<usize>) {
-    let set = ids_of(found);
+    let whole = refusals::whole_formats(search.witnesses);
+    loop {
+        let set = ids_of(found);
+        let (mut shares, mut left) = share_failures(search, &set);
+        let whole = whole.iter().filter_map(|whole| {
+            diagnose_whole_formats(search, whole, found, &mut shares, &mut left)
+        });
+        let mut diagnoses: Vec<(MistakeId, Diagnosis)> = whole.collect();
+        // Without a mistake that has too little evidence, the others may explain more failures.
+        let is_unfounded = |&index: &usize| {
+            let explained = &shares[index].explains;
+            !explained.is_empty()
+                && (is_weak(search, &set, index, &shares[index], &left)
+                    || is_incompatible(search, &set, &shares, index)
+                    || is_minor(search.witnesses, explained, &left)
+                    || is_too_broad(search, set[index], explained, &left))
+        };
+        if let Some(index) = (0..set.len()).find(is_unfounded) {
+            found.remove(index);
+            continue;
+        }
+        let is_reported = |share: &&Share| !share.explains.is_empty();
+        let accompanying = shares
+            .iter()
+            .filter(is_reported)
+            .flat_map(|share| &share.with);
+        let mut reported: MistakeSet = accompanying.copied().collect();
+        for (member, share) in found
+            .iter()
+            .zip(&shares)
+            .filter(|(_, share)| is_reported(share))
+        {
+            reported.push(member.id);
+            diagnoses.push((member.id, diagnose_member(search, member, share, &left)));
+        }
+        found.retain(|member| reported.contains(&member.id));
+        return (diagnoses, left);
+    }
+}
+
+/// Returns the failures listed under each mistake in `set`, and the unexplained failures.
+fn share_failures(search: &Search, set: &MistakeSet) -> (Vec<Share>, Vec<usize>) {
     let mut left = Vec::new();
     let mut shares = vec![Share::default(); set.len()];
     let failed = search.failing();
-    let needed = search.par_map(&failed, |&w| needed_mistakes(search, w, &set));
+    let needed = search.par_map(&failed, |&w| needed_mistakes(search, w, set));
     for (w, needed) in failed.into_iter().zip(needed) {
         // List the case under the last mistake that it needs.
         let Some((&last, others)) = needed.split_last() else {
@@ -49,35 +90,7 @@ pub(super) fn attribute_failures(
             }
         }
     }
-    let whole = refusals::whole_formats(search.witnesses);
-    let mut diagnoses: Vec<(MistakeId, Diagnosis)> = whole
-        .into_iter()
-        .filter_map(|whole| diagnose_whole_formats(search, &whole, found, &mut shares, &mut left))
-        .collect();
-    let mut dropped = MistakeSet::new();
-    // Dropping a mistake leaves more failures, which may weaken the others.
-    let mut index = 0;
-    while index < set.len() {
-        if !shares[index].explains.is_empty()
-            && (is_weak(search, &set, index, &shares[index], &left)
-                || is_incompatible(search, &set, &shares, index)
-                || is_minor(search.witnesses, &shares[index].explains, &left)
-                || is_too_broad(search, set[index], &shares[index].explains, &left))
-        {
-            left.append(&mut shares[index].explains);
-            dropped.push(set[index]);
-            index = 0;
-        } else {
-            index += 1;
-        }
-    }
-    let members = found.iter().zip(shares);
-    let others = members
-        .filter(|(_, share)| !share.explains.is_empty())
-        .map(|(member, share)| (member.id, diagnose_member(search, member, &share, &left)));
-    diagnoses.extend(others);
-    found.retain(|member| !dropped.contains(&member.id));
-    (diagnoses, left)
+    (shares, left)
 }
 
 /// Returns true if a more general mistake may explain the failures: in the same formats and the same or earlier views, either
@@ -107,12 +120,12 @@ fn is_too_broad(search: &Search, id: MistakeId, explained: &[usize], left: &[usi
     match scope {
         FileScope::All => false,
         FileScope::Formats(_) => open() > explained.len(),
-        _ => !explained.is_empty() && !is_few(open(), explained.len()),
+        _ => !is_few(open(), explained.len()),
     }
 }
 
-/// Counts the unexplained wrong images of legal files: all those outside the scope, or those inside it that have the format of an
-/// explained failure.
+/// Counts the unexplained wrong images of legal files: all those outside the scope, or those inside it that are not blank and have
+/// the format of an explained failure.
 fn open_images(
     witnesses: &[Witness],
     scope: &FileScope,
@@ -124,9 +137,10 @@ fn open_images(
     let formats: HashSet<Format> = explained.iter().map(format).collect();
     let is_open = |w: &&usize| {
         let witness = &witnesses[**w];
-        witness.is_telling_image()
+        let is_evidence = || witness.is_telling_image() && formats.contains(&format(w));
+        witness.is_image_of_legal_file()
             && scope.contains(witness) == is_inside
-            && (!is_inside || formats.contains(&format(w)))
+            && (!is_inside || is_evidence())
     };
     left.iter().filter(is_open).count()
 }
@@ -205,9 +219,6 @@ fn is_weak(search: &Search, set: &[MistakeId], i: usize, share: &Share, left: &[
 /// with the mistake at `index`.
 fn is_incompatible(search: &Search, set: &[MistakeId], shares: &[Share], index: usize) -> bool {
     let own = shares[index].explains.len();
-    if own == 0 {
-        return false;
-    }
     let others = (0..shares.len()).filter(|&other| shares[other].explains.len() > own);
     let pairs = others.flat_map(|other| {
         let files = search.smallest(&shares[other].explains, MAX_SAMPLE);
@@ -293,8 +304,8 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share, left: &[usiz
             open_images(witnesses, scope, false, &share.explains, left),
             share.explains.len(),
         ) {
-            true => format!(", only {}", scope.describe_restriction()),
-            false => format!(", {}", scope.describe_restriction()),
+            true => format!(", only in files {}", scope.describe_members()),
+            false => format!(", in files {}", scope.describe_members()),
         },
     };
     let (effect, fix) = match (mistake.catalog_misreading(), misreading.step) {
@@ -369,6 +380,7 @@ pub(super) fn attribute_partially(
     left: &mut Vec<usize>,
 ) {
     let set = ids_of(found);
+    let named: MistakeSet = diagnoses.iter().map(|(id, _)| *id).collect();
     let changes = |w: usize, member: MistakeId| {
         FailureMode::new(&search.witnesses[w]).is_none()
             && search.answers_differ(w, &set, &without_id(&set, member))
@@ -384,9 +396,10 @@ pub(super) fn attribute_partially(
     let thorough: Vec<MistakeId> = thorough.collect();
     left.retain(|&w| {
         let explains_partially = |&&member: &&MistakeId| {
-            thorough.contains(&member) && changes(w, member)
-                || shows_in_colors(search, w, member)
-                || differences::reduces_wrong_samples(search, w, &set, member)
+            named.contains(&member)
+                && (thorough.contains(&member) && changes(w, member)
+                    || shows_in_colors(search, w, member)
+                    || differences::reduces_wrong_samples(search, w, &set, member))
         };
         let member = set.iter().find(explains_partially);
         let known = member.and_then(|member| diagnoses.iter_mut().find(|(id, _)| id == member));

@@ -175,7 +175,7 @@ fn most_frequent_clause<'a>(witnesses: &'a [Witness], indices: &[usize]) -> &'a 
     };
     let count = |clause_of: &str| indices.iter().filter(|w| clause(w) == clause_of).count();
     let mut clauses = indices.iter().map(clause);
-    let most = clauses.find(|&one| is_most(count(one), indices.len()));
+    let most = clauses.find(|&one| !one.is_empty() && is_most(count(one), indices.len()));
     most.unwrap_or_else(|| shared_clause(witnesses, indices))
 }
 

@@ -98,18 +98,21 @@ fn view_properties(f: &File) -> [Property; 6] {
     let light = |test: fn(f64, f64) -> bool| f.light.is_some_and(|(u, v)| test(u, v));
     let is_outside = light(|u, v| u * u + v * v > 1.0);
     [
-        ("2.7/1 if stored values are requested", *f.view == View::Raw),
-        ("2.4/8 if final values are requested", *f.view == View::Coef),
-        ("1.0/1 if colors are requested", f.light.is_some()),
+        ("2.7/1 requested in view raw", *f.view == View::Raw),
+        ("2.4/8 requested in view coef", *f.view == View::Coef),
+        ("1.0/1 requested in view rgb", f.light.is_some()),
         (
-            "1.0/2 under a light whose u is negative",
+            "1.0/2 requested under a light whose u is negative",
             light(|u, _| u < 0.0),
         ),
         (
-            "1.0/2 under a light whose v is negative",
+            "1.0/2 requested under a light whose v is negative",
             light(|_, v| v < 0.0),
         ),
-        ("1.0/2 under a light outside the unit circle", is_outside),
+        (
+            "1.0/2 requested under a light outside the unit circle",
+            is_outside,
+        ),
     ]
 }
 
@@ -325,6 +328,10 @@ fn quantities(f: &File) -> Vec<Quantity> {
         ("2.9.8/5", "with a record whose position is {}", position),
         ("2.9.1/1", "of JPEG quality {}", parameter(Coding::Jpeg)),
         ("2.9.1/1", "whose maximum loss is {}", loss),
-        ("1.0/2", "under a light where |(u, v)| is {}", distance),
+        (
+            "1.0/2",
+            "requested under a light where |(u, v)| is {}",
+            distance,
+        ),
     ]
 }

@@ -58,18 +58,11 @@ impl FileScope {
         }
     }
 
-    /// Returns text that completes "only …".
-    pub fn describe_restriction(&self) -> String {
-        match self.describe_members() {
-            text if text.starts_with("if ") || text.starts_with("under ") => text,
-            text => format!("in files {text}"),
-        }
-    }
-
     /// Returns text that completes "every file …", including the nearest value in any other file.
     pub fn describe(&self) -> String {
         let text = self.describe_members();
         match self {
+            FileScope::Beyond { bound: 0.0, .. } => text,
             FileScope::Beyond {
                 is_minimum,
                 other_bound,
@@ -83,7 +76,8 @@ impl FileScope {
         }
     }
 
-    fn describe_members(&self) -> String {
+    /// Returns text that completes "files …".
+    pub fn describe_members(&self) -> String {
         match self {
             FileScope::All => String::new(),
             FileScope::Formats(formats) => {

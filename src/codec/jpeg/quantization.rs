@@ -78,15 +78,3 @@ fn quantize(coefficient: i32, step: u16) -> i32 {
     let step = i32::from(step) * 8;
     (coefficient.abs() + step / 2) / step * coefficient.signum()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::scaled_steps;
-
-    /// Checks the worked example of this module.
-    #[test]
-    fn quality_scales_the_tables_of_annex_k() {
-        let dc_steps = [10, 50, 75, 90, 100].map(|quality| scaled_steps(quality, true)[0]);
-        assert_eq!(dc_steps, [80, 16, 8, 3, 1]);
-    }
-}

@@ -149,17 +149,3 @@ impl ScanEncoder<'_, '_> {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::super::encoder::{JpegLsOptions, encode};
-
-    /// Checks the worked example of this module.
-    #[test]
-    fn runs_are_coded_in_segments() {
-        let (near, presets) = (0, None);
-        let options = JpegLsOptions { near, presets };
-        let stream = encode(&[0, 0, 0, 0, 0, 0, 0, 1], 8, 1, &options).stream;
-        assert!(stream.ends_with(&[0, 0, 0, 0xFB, 0x40, 0xFF, 0xD9]));
-    }
-}

@@ -9,7 +9,7 @@ use super::{files_in_scope, share_text};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::scope::{FileScope, SharedScope, shared_scope};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
-use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most};
+use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most, is_substantial};
 use crate::diagnose::{pair::ImagePair, witness::Witness};
 use crate::protocol::frame::{Answer, Frame, ViewKind};
 use crate::ptm::{Coding, Format, ScaleBias, channel_name};
@@ -191,10 +191,10 @@ fn follow_streams(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
         let streams = count(Phase::Stream);
         let [predictions, corrections] = [Phase::Prediction, Phase::Correction].map(count);
         let others = streams + count(Phase::Rearranged) + count(Phase::StoredValue);
-        let early = if streams > 0 {
-            Phase::Stream
-        } else {
-            Phase::StoredValue
+        let is_of_streams = is_substantial(streams, others + predictions + corrections);
+        let early = match streams > 0 && is_of_streams {
+            true => Phase::Stream,
+            false => Phase::StoredValue,
         };
         for w in in_coding {
             let is_late = match steps[&w] {
@@ -283,7 +283,14 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
                 let is_member =
                     (witness.case.format(), witness.observation.view.kind()) == (format, view);
                 if is_member && *step >= Phase::FinalValue {
-                    let last = known.iter().rfind(|known| known.can_affect(witness));
+                    // Final values reveal whether these steps are wrong.
+                    let is_excluded = |step: Phase| {
+                        view == ViewKind::Coef
+                            && matches!(step, Phase::Prediction | Phase::Correction)
+                    };
+                    let last = known
+                        .iter()
+                        .rfind(|step| !is_excluded(**step) && step.can_affect(witness));
                     *step = last.copied().unwrap_or(*step);
                 }
             }
@@ -359,7 +366,8 @@ fn difference_text(
     let mut wrong = wrong_channels(search, set, indices);
     wrong.retain(|_| indices.len() >= MIN_SHARING_FILES);
     // Only R, G and B, or Cr and Cb, are wrong in a format with one polynomial.
-    let are_colors = matches!(wrong.len(), 8 | 9) && !wrong[..6].contains(&true);
+    let are_colors =
+        matches!(wrong.len(), 8 | 9) && !wrong[..6].contains(&true) && wrong.contains(&true);
     let clause = match (step, clause) {
         (Phase::StoredValue, Some("2.7.3/1")) if are_colors => Some("2.7.3/2"),
         (Phase::StoredValue, Some("2.8.1/1")) if are_colors => Some("2.8.1/4"),
@@ -368,9 +376,13 @@ fn difference_text(
     };
     let [effect, fix] = step.effect_and_fix();
     let [_, swap_fix] = Phase::Rearranged.effect_and_fix();
-    let (effect, fix) = match swapped_channels(search, set, indices, &wrong) {
-        Some([first, second]) => (format!("swaps {first} and {second}"), swap_fix),
-        None => (format!("{effect}{}", channel_text(&wrong)), fix),
+    let format = witnesses[indices[0]].case.format();
+    let (effect, fix, clause) = match swapped_channels(search, set, indices, &wrong) {
+        Some([first, second]) => {
+            let effect = format!("swaps {first} and {second}");
+            (effect, swap_fix, Phase::Rearranged.clause(format))
+        }
+        None => (format!("{effect}{}", channel_text(&wrong)), fix, clause),
     };
     let views = views_phrase(witnesses, indices);
     let text = CauseText {
@@ -563,7 +575,9 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
     };
     let mut samples = pair.wrong_samples();
     samples.retain(|i| is_root(i % pair.channels));
-    if !samples.is_empty() && samples.iter().all(is_corrected) {
+    if samples.is_empty() {
+        Phase::StoredValue
+    } else if samples.iter().all(is_corrected) {
         Phase::Correction
     } else if (0..wrong.len()).all(|plane| !wrong[plane] || is_predicted(plane)) {
         Phase::Prediction
