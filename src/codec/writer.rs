@@ -121,7 +121,7 @@ impl<'a, const AFTER_FF: u32> BitWriter<'a, AFTER_FF> {
 /// Checks the size of the image passed to an encoder.
 ///
 /// # Panics
-/// Panics if the number of samples is not `width` × `height`, or a side is not within 1 … 65,535.
+/// Panics if the number of samples is not `width` × `height`, or if `width` or `height` is not between 1 and 65,535.
 pub(super) fn check_size(samples: &[u8], width: u32, height: u32) {
     assert!(
         (1..=0xFFFF).contains(&width) && (1..=0xFFFF).contains(&height),

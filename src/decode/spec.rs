@@ -105,7 +105,7 @@ pub enum Alternative {
     NewlineAfterTable,
     /// `lum-vector`: the matrix multiplies (Cr, Y, Cb, 1), in the order given by the name of the color space.
     CrFirst,
-    /// `lum-major`: the sixteen numbers are row-major, as the text prints the matrix.
+    /// `lum-major`: the sixteen numbers are in row-major order, as the matrix is printed in the specification.
     RowsFirst,
     /// `lum-range`: the values and the translation range from 0 to 1.
     UnitRange,

@@ -24,7 +24,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     type Feature: Clone + Debug + Display + Ord + Send + Sync;
     /// The file that is sent, with its values.
     type Built;
-    /// Decisions that the readings of open questions change.
+    /// Decisions that depend on how open questions are read.
     type Decisions: 'static;
 
     /// Names of all views, in order of preference.
