@@ -52,19 +52,13 @@ pub(super) fn attribute_failures(
             found.remove(index);
             continue;
         }
-        let is_reported = |share: &&Share| !share.explains.is_empty();
-        let accompanying = shares
-            .iter()
-            .filter(is_reported)
-            .flat_map(|share| &share.with);
-        let mut reported: MistakeSet = accompanying.copied().collect();
-        for (member, share) in found
-            .iter()
-            .zip(&shares)
-            .filter(|(_, share)| is_reported(share))
-        {
-            reported.push(member.id);
-            diagnoses.push((member.id, diagnose_member(search, member, share, &left)));
+        let mut reported = MistakeSet::new();
+        for (member, share) in found.iter().zip(&shares) {
+            if !share.explains.is_empty() {
+                reported.push(member.id);
+                reported.extend(&share.with);
+                diagnoses.push((member.id, diagnose_member(search, member, share, &left)));
+            }
         }
         found.retain(|member| reported.contains(&member.id));
         return (diagnoses, left);
@@ -113,36 +107,21 @@ fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool 
 }
 
 /// Returns true if the mistake is restricted to some files, but too many wrong images of such files remain unexplained: more than
-/// a few if the files share a property, or more than the mistake explains if they share a format.
+/// a few if the files share a property, or more than the mistake explains if they share a format. Blank images do not count.
 fn is_too_broad(search: &Search, id: MistakeId, explained: &[usize], left: &[usize]) -> bool {
     let scope = &search.mistakes[id].scope;
-    let open = || open_images(search.witnesses, scope, true, explained, left);
-    match scope {
-        FileScope::All => false,
-        FileScope::Formats(_) => open() > explained.len(),
-        _ => !is_few(open(), explained.len()),
-    }
-}
-
-/// Counts the unexplained wrong images of legal files: all those outside the scope, or those inside it that are not blank and have
-/// the format of an explained failure.
-fn open_images(
-    witnesses: &[Witness],
-    scope: &FileScope,
-    is_inside: bool,
-    explained: &[usize],
-    left: &[usize],
-) -> usize {
-    let format = |w: &usize| witnesses[*w].case.format();
+    let format = |w: &usize| search.witnesses[*w].case.format();
     let formats: HashSet<Format> = explained.iter().map(format).collect();
     let is_open = |w: &&usize| {
-        let witness = &witnesses[**w];
-        let is_evidence = || witness.is_telling_image() && formats.contains(&format(w));
-        witness.is_image_of_legal_file()
-            && scope.contains(witness) == is_inside
-            && (!is_inside || is_evidence())
+        let witness = &search.witnesses[**w];
+        witness.is_telling_image() && scope.contains(witness) && formats.contains(&format(w))
     };
-    left.iter().filter(is_open).count()
+    let open = left.iter().filter(is_open).count();
+    match scope {
+        FileScope::All => false,
+        FileScope::Formats(_) => open > explained.len(),
+        _ => !is_few(open, explained.len()),
+    }
 }
 
 /// Describes the formats in `whole`, whose legal files all fail in the same way. Drops mistakes that explain only these failures.
@@ -299,14 +278,18 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share, left: &[usiz
     let files = match &mistake.scope {
         // An edit may change nothing in other formats.
         FileScope::All => formats_phrase(witnesses, &share.explains),
-        // The decoder may make the same mistake in the other files, with other results.
-        scope => match is_few(
-            open_images(witnesses, scope, false, &share.explains, left),
-            share.explains.len(),
-        ) {
-            true => format!(", only in files {}", scope.describe_members()),
-            false => format!(", in files {}", scope.describe_members()),
-        },
+        scope => {
+            // The decoder may make the same mistake in the other files, with other results.
+            let is_open = |w: &&usize| {
+                let witness = &witnesses[**w];
+                witness.is_image_of_legal_file() && !scope.contains(witness)
+            };
+            let open = left.iter().filter(is_open).count();
+            match is_few(open, share.explains.len()) {
+                true => format!(", only in files {}", scope.describe_members()),
+                false => format!(", in files {}", scope.describe_members()),
+            }
+        }
     };
     let (effect, fix) = match (mistake.catalog_misreading(), misreading.step) {
         (None, Hook::Edits([edit])) => {

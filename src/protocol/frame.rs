@@ -303,7 +303,8 @@ impl Hash for Frame {
 
 impl Frame {
     /// Creates a frame of this width, height and number of channels, whose samples were not compressed lossily.
-    pub(crate) fn exact(view: ViewKind, shape: [u32; 3], samples: Samples) -> Frame {
+    #[must_use]
+    pub fn exact(view: ViewKind, shape: [u32; 3], samples: Samples) -> Frame {
         let [width, height, channels] = shape;
         Frame {
             view,

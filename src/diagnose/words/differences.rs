@@ -93,8 +93,11 @@ impl Phase {
         }
     }
 
-    fn can_affect(self, witness: &Witness) -> bool {
+    /// Returns true if a mistake in this step may explain a wrong image that does not reveal the step itself.
+    fn can_explain(self, witness: &Witness) -> bool {
         let coded = witness.model().and_then(|model| model.compressed.as_ref());
+        // Final values reveal whether planes are predicted and corrected.
+        let coded = coded.filter(|_| witness.is_rgb());
         let is_identity = |pair: &ScaleBias| pair.scale == [1.0; 6] && pair.bias == [0.0; 6];
         match self {
             Phase::Prediction => coded.is_some_and(|coded| coded.plan.predicts()),
@@ -191,8 +194,7 @@ fn follow_streams(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
         let streams = count(Phase::Stream);
         let [predictions, corrections] = [Phase::Prediction, Phase::Correction].map(count);
         let others = streams + count(Phase::Rearranged) + count(Phase::StoredValue);
-        let is_of_streams = is_substantial(streams, others + predictions + corrections);
-        let early = match streams > 0 && is_of_streams {
+        let early = match is_substantial(streams, others + predictions + corrections) {
             true => Phase::Stream,
             false => Phase::StoredValue,
         };
@@ -218,7 +220,7 @@ fn follow_streams(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
     }
 }
 
-/// Replaces [`Phase::Rearranged`] by the last step of the view unless it applies to most wrong images of a format. A few values,
+/// Replaces [`Phase::Rearranged`] with the last step of the view unless it applies to most wrong images of a format. A few values,
 /// or similar ones, may be permuted by chance.
 fn drop_chance_permutations(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
     for format in Format::ALL {
@@ -237,7 +239,7 @@ fn drop_chance_permutations(witnesses: &[Witness], steps: &mut HashMap<usize, Ph
 /// Attributes wrong final values and colors to a step of an earlier view if the earlier view has more than half as many
 /// unexplained wrong images as the later view, and at least half its share of wrong images. Images are counted in the same format,
 /// or in all formats with wrong images in the earlier view. Images that are described elsewhere also count. The step must be able to
-/// affect the file.
+/// explain the image.
 fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
     let witnesses = search.witnesses;
     let mut open = search.unexplained(set);
@@ -277,20 +279,13 @@ fn follow_earlier_steps(search: &Search, set: &MistakeSet, steps: &mut HashMap<u
             let known = |w: &usize| steps.get(w).copied().unwrap_or(Phase::StoredValue);
             let first = earlier.iter().find(explains);
             let first = first.map(|first| in_view(&open, *first, &[format]));
-            let known: BTreeSet<Phase> = first.iter().flatten().map(known).collect();
+            let before: BTreeSet<Phase> = first.iter().flatten().map(known).collect();
             for (w, step) in steps.iter_mut() {
                 let witness = &witnesses[*w];
                 let is_member =
                     (witness.case.format(), witness.observation.view.kind()) == (format, view);
                 if is_member && *step >= Phase::FinalValue {
-                    // Final values reveal whether these steps are wrong.
-                    let is_excluded = |step: Phase| {
-                        view == ViewKind::Coef
-                            && matches!(step, Phase::Prediction | Phase::Correction)
-                    };
-                    let last = known
-                        .iter()
-                        .rfind(|step| !is_excluded(**step) && step.can_affect(witness));
+                    let last = before.iter().rfind(|before| before.can_explain(witness));
                     *step = last.copied().unwrap_or(*step);
                 }
             }

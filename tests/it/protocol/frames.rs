@@ -18,15 +18,7 @@ fn rgb() -> View {
 }
 
 fn frame(view: ViewKind, size: (u32, u32, u32), samples: Samples) -> Frame {
-    let (width, height, channels) = size;
-    Frame {
-        view,
-        width,
-        height,
-        channels,
-        samples,
-        lossy: false,
-    }
+    Frame::exact(view, size.into(), samples)
 }
 
 #[track_caller]
