@@ -297,11 +297,8 @@ impl<'de> Deserializer<'de> for &Node {
 
     read! {
         deserialize_any() = |node, visitor| match (&node.value, node.interpret()) {
-            (Value::List(items), _) => visitor.visit_seq(SeqDeserializer::new(items.iter())),
-            (Value::Map(entries), _) => {
-                let entries = entries.iter().map(|(key, value)| (key, value));
-                visitor.visit_map(MapDeserializer::new(entries))
-            }
+            (Value::List(_), _) => node.deserialize_seq(visitor),
+            (Value::Map(_), _) => node.deserialize_map(visitor),
             (_, Unexpected::Unit) => visitor.visit_unit(),
             (_, Unexpected::Bool(value)) => visitor.visit_bool(value),
             (_, Unexpected::Unsigned(value)) => visitor.visit_u64(value),
@@ -324,11 +321,21 @@ impl<'de> Deserializer<'de> for &Node {
             _ => visitor.visit_some(node),
         };
         deserialize_struct(_name: &'static str, _fields: &'static [&'static str]) = |node, visitor| {
-            match &node.value {
-                Value::Map(_) => node.deserialize_any(visitor),
-                _ => Err(node.type_error(&visitor)),
-            }
+            node.deserialize_map(visitor)
         };
+        // The visitor's methods for other kinds of values are not instantiated, which saves much compile time.
+        deserialize_map() = |node, visitor| match &node.value {
+            Value::Map(entries) => {
+                let entries = entries.iter().map(|(key, value)| (key, value));
+                visitor.visit_map(MapDeserializer::new(entries))
+            }
+            _ => Err(node.type_error(&visitor)),
+        };
+        deserialize_seq() = |node, visitor| match &node.value {
+            Value::List(items) => visitor.visit_seq(SeqDeserializer::new(items.iter())),
+            _ => Err(node.type_error(&visitor)),
+        };
+        deserialize_tuple(_length: usize) = |node, visitor| node.deserialize_seq(visitor);
         deserialize_enum(_name: &'static str, _variants: &'static [&'static str]) = |node, visitor| {
             match &node.value {
                 Value::Scalar { text, .. } => visitor.visit_enum(text.as_str().into_deserializer()),
@@ -347,7 +354,7 @@ impl<'de> Deserializer<'de> for &Node {
 
     forward_to_deserialize_any! {
         bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char bytes byte_buf unit unit_struct
-        seq tuple tuple_struct map
+        tuple_struct
     }
 }
 
