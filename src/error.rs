@@ -253,7 +253,7 @@ impl fmt::Display for Kind {
                 reference_rank,
             } => write!(
                 f,
-                "plane {plane} (rank {rank}) is predicted from plane {reference} (rank {reference_rank}), which is not decoded earlier"
+                "plane {plane} (rank {rank}) is predicted from plane {reference} (rank {reference_rank}), which is not decoded before it"
             ),
             Kind::Stream { plane, what, .. } => write!(f, "plane {plane}: {what}"),
             Kind::PartialRecord { bytes } => write!(

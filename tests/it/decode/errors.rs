@@ -101,11 +101,11 @@ transforms 2 5 | compressed data (§2.9.2), byte 65: transforms other than 0 to 
 transforms 2 -1 | compressed data (§2.9.2), byte 65: transforms other than 0 to 3 are not supported
 references 1 9 | compressed data (§2.9.5), byte 136: plane 1 is predicted from plane 9, but the last plane is 8
 references 0 3 | compressed data (§2.9.4), byte 133:
-  plane 0 (rank 0) is predicted from plane 3 (rank 0), which is not decoded earlier
+  plane 0 (rank 0) is predicted from plane 3 (rank 0), which is not decoded before it
 references 0 3 ; order 0 4 ; order 3 5 | compressed data (§2.9.4), byte 133:
-  plane 0 (rank 4) is predicted from plane 3 (rank 5), which is not decoded earlier
+  plane 0 (rank 4) is predicted from plane 3 (rank 5), which is not decoded before it
 references 0 0 ; order 0 4 | compressed data (§2.9.4), byte 133:
-  plane 0 (rank 4) is predicted from plane 0 (rank 4), which is not decoded earlier
+  plane 0 (rank 4) is predicted from plane 0 (rank 4), which is not decoded before it
 sizes 1 -28 | compressed data (§2.9.6), byte 163: expected a compressed size of at least 0, found "-28"
 side-sizes 0 -5 | compressed data (§2.9.7), byte 187: expected a side information size of at least 0, found "-5"
 sizes 8 29 | compressed data (§2.9.8), byte 205:
