@@ -178,9 +178,11 @@ fn spelling_properties(f: &File) -> [Property; 15] {
     ]
 }
 
-fn data_properties(f: &File) -> [Property; 10] {
+fn data_properties(f: &File) -> [Property; 12] {
     let [scales, biases, _] = &f.numbers;
-    let is_negative = |texts: &[&str]| texts.iter().any(|text| text.starts_with('-'));
+    let value = |text: &str| text.parse().unwrap_or(0.0);
+    let is_negative = |texts: &[&str]| texts.iter().any(|text| value(text) < 0.0);
+    let has_minus = |texts: &[&str]| texts.iter().any(|text| text.starts_with('-'));
     let any = |test: fn(&str) -> bool| f.numbers.iter().flatten().any(|text| test(text));
     let has_outer_point =
         any(|text| text.trim_start_matches(['+', '-']).starts_with('.') || text.ends_with('.'));
@@ -193,6 +195,8 @@ fn data_properties(f: &File) -> [Property; 10] {
     [
         ("2.4/4 with a negative bias", is_negative(biases)),
         ("2.4/3 with a negative scale", is_negative(scales)),
+        ("2.4/4 with a minus sign in a bias", has_minus(biases)),
+        ("2.4/3 with a minus sign in a scale", has_minus(scales)),
         ("2.4/3 with a number in scientific notation", is_scientific),
         ("2.4/3 with a number that starts with a plus sign", has_plus),
         (
