@@ -66,7 +66,7 @@ pub fn diagnose(
     let single = single_mistakes(&attempts, &failing, &passing, threads);
     let single = cover(single, &mut failing).into_iter();
     let mut diagnoses: Vec<WriterDiagnosis> = single.map(CoverCandidate::diagnosis).collect();
-    let pairs = mistake_pairs(&attempts, &failing, threads);
+    let pairs = mistake_pairs(&attempts, &failing, &passing, threads);
     diagnoses.extend(cover(pairs, &mut failing).into_iter().map(|pair| {
         let (misreading, second) = pair.cause;
         let cause = Cause::Misreading {
@@ -111,6 +111,12 @@ fn smallest_attempts<'a>(attempts: &'a Attempts, failing: &[usize]) -> Vec<&'a A
     smallest
 }
 
+/// Returns true if a reader with these mistakes misreads the right file. A writer with the mistakes would write another file.
+fn misreads_right_file(attempt: &Attempt, mistakes: &[&Misreading]) -> bool {
+    let seen = MisreadFile::new(&attempt.reference_file, mistakes);
+    !seen.is_some_and(|seen| seen.is_right(&attempt.request))
+}
+
 /// Returns single mistakes that explain failures and that no passing case contradicts.
 fn single_mistakes(
     attempts: &Attempts,
@@ -123,11 +129,7 @@ fn single_mistakes(
     let candidate = |i: usize| {
         let mistake = mistakes[i];
         let explains = |a: &Attempt| explains(&a.request, &a.reference_file, &a.file, mistake.step);
-        // If a reader with this mistake misreads the right file, a writer with the mistake would have written a different file.
-        let contradicts = |a: &Attempt| {
-            let seen = MisreadFile::new(&a.reference_file, &[mistake.step]);
-            !seen.is_some_and(|seen| seen.is_right(&a.request))
-        };
+        let contradicts = |a: &Attempt| misreads_right_file(a, &[mistake.step]);
         if !screen.iter().any(|attempt| explains(attempt)) {
             return None;
         }
@@ -139,10 +141,11 @@ fn single_mistakes(
     found.into_iter().flatten().collect()
 }
 
-/// Returns pairs of mistakes that explain the smallest failing files.
+/// Returns pairs of mistakes that explain the smallest failing files and that no passing case contradicts.
 fn mistake_pairs(
     attempts: &Attempts,
     failing: &[usize],
+    passing: &[usize],
     threads: usize,
 ) -> Vec<CoverCandidate<(&'static WriterMistake, &'static WriterMistake)>> {
     let mistakes: Vec<&'static WriterMistake> = writing::all().collect();
@@ -162,7 +165,11 @@ fn mistake_pairs(
         let (first, second) = found.into_iter().flatten().next()?;
         let is_explained = |attempt: &Attempt| explains(attempt, [first, second]);
         let explains = |index: usize| attempts.get(&index).is_some_and(is_explained);
-        CoverCandidate::new((first, second), failing, explains, &[], |_| false)
+        let is_misread =
+            |attempt: &Attempt| misreads_right_file(attempt, &[first.step, second.step]);
+        let contradicts = |index: usize| attempts.get(&index).is_some_and(is_misread);
+        CoverCandidate::new((first, second), failing, explains, passing, contradicts)
+            .filter(|pair| pair.contradicted.is_empty())
     };
     let smallest = smallest_attempts(attempts, failing).into_iter();
     smallest.take(PAIR_SEARCH_FILES).filter_map(pair).collect()
@@ -208,7 +215,7 @@ pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: St
 fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
     let clause = if fault.is_refusal { "refused" } else { clause };
     let effect = match clause {
-        "refused" => "writes files that no reader can decode",
+        "refused" => "writes files that the reference refuses",
         "1.0/1" => "fits the images worse than the best possible map",
         "2.2/1" => "writes a different format than requested",
         "2.3/1" => "writes a different size than requested",

@@ -149,7 +149,7 @@ fn compare_planes(
         let byte = dissection.file.get(at).copied().unwrap_or_default();
         let _ = write!(
             says,
-            "; the value is read from byte {at}, which is {byte:02x}"
+            "; the value is read from byte {at}, which is 0x{byte:02x}"
         );
     }
     let clause = match request.format.coding() {

@@ -36,7 +36,7 @@ pub fn explains(request: &WriteRequest, right: &[u8], file: &[u8], mistake: &Mis
     is_right_only_with(request, file, &[mistake]) || contains_misread_values(right, file, mistake)
 }
 
-/// Returns true if a reader with these mistakes sees the right values in `file`, but a reader without them does not.
+/// Returns true if a reader with these mistakes sees the right values in `file`, but not if one of them is corrected.
 pub fn is_right_only_with(request: &WriteRequest, file: &[u8], mistakes: &[&Misreading]) -> bool {
     requires_mistakes(file, mistakes, |seen| seen.is_right(request))
 }
@@ -57,7 +57,7 @@ fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> b
         && requires_mistakes(right, &[mistake], |seen| seen.has_values_of(file))
 }
 
-/// Returns true if `predicate` is true for a reader with these mistakes and false for a reader without them.
+/// Returns true if `predicate` is true for a reader with these mistakes, but false as soon as one of them is corrected.
 fn requires_mistakes(
     file: &[u8],
     mistakes: &[&Misreading],
@@ -67,8 +67,12 @@ fn requires_mistakes(
         return false;
     };
     let stage = seen.stage;
-    let plain = MisreadFile::new(file, &[]).map(|plain| MisreadFile { stage, ..plain });
-    !plain.as_ref().is_some_and(predicate)
+    let is_needed = |i: usize| {
+        let others = [&mistakes[..i], &mistakes[i + 1..]].concat();
+        let corrected = MisreadFile::new(file, &others).map(|seen| MisreadFile { stage, ..seen });
+        !corrected.as_ref().is_some_and(&predicate)
+    };
+    (0..mistakes.len()).all(is_needed)
 }
 
 /// Returns the bytes that a reader with this mistake sees instead of the file, or `None` if the mistake does not change bytes.
