@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::witness::Witness;
-use crate::protocol::frame::Answer;
+use crate::protocol::frame::{Answer, ProcessEnd};
 use crate::session::observation::Response;
 
 /// A response without an image. Two files fail in the same way if their failure modes are equal.
@@ -52,6 +52,17 @@ impl FailureMode {
         modes.into_iter().map(|(mode, _)| mode).collect()
     }
 
+    /// Returns the exit status by which the decoder may mean a refusal. Rust panics, shells and signals use the excluded statuses.
+    pub fn refusal_status(&self) -> Option<i32> {
+        let FailureMode::Crashes(details) = self else {
+            return None;
+        };
+        match ProcessEnd::parse(details)? {
+            ProcessEnd::Status(101 | 126 | 127 | 134 | 139) | ProcessEnd::Signal(_) => None,
+            ProcessEnd::Status(status) => Some(status),
+        }
+    }
+
     /// Returns the witnesses with this failure mode.
     pub fn select(&self, witnesses: &[Witness], indices: &[usize]) -> Vec<usize> {
         let has_mode = |w: &usize| FailureMode::new(&witnesses[*w]).as_ref() == Some(self);
@@ -77,7 +88,7 @@ impl fmt::Display for FailureMode {
             FailureMode::Crashes(status) => write!(f, "crashes ({status}) on"),
             FailureMode::Hangs => f.write_str("does not terminate on"),
             FailureMode::MalformedFrame(error) => {
-                write!(f, "writes a malformed frame ({error}) for")
+                write!(f, "gives no valid answer ({error}) for")
             }
             FailureMode::Other(name) => write!(f, "fails ({name}) on"),
         }

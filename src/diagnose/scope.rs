@@ -151,11 +151,13 @@ pub(super) fn shared_scope(
 ) -> Option<SharedScope> {
     let is_pure = |scope: &FileScope| !others.iter().any(|&w| scope.contains(&witnesses[w]));
     let formats = Format::ALL.map(|format| FileScope::Formats(vec![format]));
+    let own_formats = FileScope::Formats(own_formats(witnesses, group, others));
     let properties = &witnesses.first()?.facts().properties;
     let range = if with_view { 0 } else { VIEW_PROPERTIES }..properties.len();
     let property = |index: usize| FileScope::Property(index, properties[index].0);
     let scopes = (formats.into_iter())
         .chain(range.map(property))
+        .chain([own_formats])
         .chain(thresholds(witnesses, group, others));
     let shared = scopes.map(|scope| {
         let is_inside = |w: &usize| scope.contains(&witnesses[*w]);
@@ -174,6 +176,15 @@ pub(super) fn shared_scope(
     let valid = (found.into_iter().rev())
         .filter(|one| is_significant(one.cases.len()) && is_pure(&one.scope));
     valid.max_by_key(|one| one.cases.len())
+}
+
+/// Returns the formats of the files in `group` that no other file has.
+fn own_formats(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<Format> {
+    let mut formats = Format::ALL.to_vec();
+    let has = |w: &usize, format| witnesses[*w].case.format() == format;
+    let any = |files: &[usize], format| files.iter().any(|w| has(w, format));
+    formats.retain(|&format| any(group, format) && !any(others, format));
+    formats
 }
 
 /// Returns scopes for thresholds that separate all files in `group` from all files in `others`.
@@ -222,11 +233,9 @@ pub(super) fn separating_scope(
     explained: &[usize],
     refuting: &[usize],
 ) -> Option<FileScope> {
-    let format = |w: &usize| witnesses[*w].case.format();
-    let is_refuted = |one: Format| refuting.iter().any(|w| format(w) == one);
-    if explained.len() >= MIN_SHARING_FILES && !explained.iter().any(|w| is_refuted(format(w))) {
-        let mut formats = Format::ALL.to_vec();
-        formats.retain(|&one| explained.iter().any(|w| format(w) == one));
+    let formats = own_formats(witnesses, explained, refuting);
+    let is_own = |w: &usize| formats.contains(&witnesses[*w].case.format());
+    if explained.len() >= MIN_SHARING_FILES && explained.iter().all(is_own) {
         return Some(FileScope::Formats(formats));
     }
     let shared = shared_scope(witnesses, explained, refuting, true)?;

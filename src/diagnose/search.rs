@@ -589,8 +589,7 @@ impl<'a> Search<'a> {
         all.map(|w| with_large || self.is_small(w)).collect()
     }
 
-    /// Returns the finalist with the highest total score on the cases marked in `tried`, together with any equally good
-    /// finalists.
+    /// Returns the finalists with the highest total score on the cases marked in `tried`, usually only one.
     fn pick_finalist(
         &self,
         set: &MistakeSet,

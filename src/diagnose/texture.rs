@@ -15,8 +15,7 @@ use crate::suite::texture::{choices::CHOICES, compare::difference};
 use crate::suite::{test_case::TestCase, texture::cases::TextureCase};
 use crate::texture::Rules;
 
-/// Returns a small set of misreadings that explains the failures of `run`, starting with the misreading that explains the most
-/// failures.
+/// Returns a small set of misreadings that explains the failures of `run`. The one that explains the most failures is first.
 #[must_use]
 pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagnosis<Change>> {
     let mut failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();

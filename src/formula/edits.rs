@@ -76,6 +76,10 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
             replace_conditionally(node, scope)
         }));
     }
+    // A color of an image may be rounded.
+    if formula == Formula::Rendering {
+        all.retain(|expression| !rounds(expression));
+    }
     let mut known = HashSet::from([stated.display(scope)]);
     all.retain(|expression| known.insert(expression.display(scope)));
     let changes = all.into_iter().map(EditedForm::Expression);
@@ -340,6 +344,10 @@ fn add_factors(node: &Expression, _: Scope) -> Vec<Expression> {
 fn add_constants(node: &Expression, _: Scope) -> Vec<Expression> {
     let sum = |constant| Expression::Sum(vec![node.clone(), number(constant)]);
     [1.0, -1.0, 128.0, -128.0, 0.5].map(sum).to_vec()
+}
+
+fn rounds(node: &Expression) -> bool {
+    matches!(node, Expression::Call(Function::Round, _)) || node.children().into_iter().any(rounds)
 }
 
 /// Applies a function to a node: rounds it, clamps it, or keeps some of its bits.

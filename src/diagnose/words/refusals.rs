@@ -44,19 +44,26 @@ fn mode_diagnosis(
     mode: &FailureMode,
     effect: String,
 ) -> Diagnosis {
-    let fix = match mode {
-        FailureMode::Refuses | FailureMode::Unsupported => {
-            "read these legal files, or exit with 69 for all files of this kind"
+    let read = "read these legal files, or exit with 69 for all files of this kind";
+    let fix = match (mode, mode.refusal_status()) {
+        (FailureMode::Hangs, _) => "find the loop that does not terminate".to_owned(),
+        (_, Some(status)) => format!("{read}; {}", reject_exit_hint(status)),
+        (FailureMode::Crashes(_), None) => {
+            "run the example in a debugger; these files are legal, so the decoder must not crash"
+                .to_owned()
         }
-        FailureMode::Hangs => "find the loop that does not terminate",
-        _ => "run the example in a debugger; these files are legal, so the decoder must not crash",
+        _ => read.to_owned(),
     };
     let text = CauseText {
         effect,
-        fix: fix.to_owned(),
+        fix,
         example: example(witnesses, indices),
     };
     Diagnosis::from_description(Category::Refusal, witnesses, indices, text)
+}
+
+pub(super) fn reject_exit_hint(status: i32) -> String {
+    format!("if this decoder refuses files with status {status}, use --reject-exit {status}")
 }
 
 /// Returns, for each failure mode, the failures that a single shared property explains.

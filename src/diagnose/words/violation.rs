@@ -1,9 +1,8 @@
 //! Describes violations on files that must or may be refused: crashes, hangs, malformed frames and "unsupported" responses.
 
-use super::{acceptances::fault_text, list_first, refusals::example};
+use super::{acceptances::fault_text, list_first, refusals::example, refusals::reject_exit_hint};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
-use crate::protocol::frame::ProcessEnd;
 use crate::session::observation::Response;
 use crate::suite::cases::Expect;
 
@@ -63,17 +62,8 @@ fn fix(mode: &FailureMode, may_be_read: bool) -> String {
         return "exit with 65 for a malformed file of a kind that the decoder reads; 69 means that the decoder reads no files of this kind"
             .to_owned();
     }
-    let end = match mode {
-        FailureMode::Crashes(details) => ProcessEnd::parse(details),
-        _ => None,
-    };
-    match end {
-        // The excluded statuses are those of Rust panics, shells and signals. No decoder uses them to refuse files.
-        Some(ProcessEnd::Status(status)) if !matches!(status, 101 | 126 | 127 | 134 | 139) => {
-            format!(
-                "{advice}; if this decoder refuses files with status {status}, use --reject-exit {status}"
-            )
-        }
-        _ => format!("detect the fault, and {advice}"),
+    match mode.refusal_status() {
+        Some(status) => format!("{advice}; {}", reject_exit_hint(status)),
+        None => format!("detect the fault, and {advice}"),
     }
 }
