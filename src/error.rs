@@ -1,8 +1,7 @@
 //! Errors of the decoder: the fault, the violated clause, and the byte offset.
 //!
 //! A fault in the file ([`Class::Malformed`]), a feature that this decoder does not support ([`Class::Unsupported`]) and an
-//! exceeded limit ([`Class::Limit`]) are separate classes. The program exits with 65 for the first class and with 69
-//! for the others.
+//! exceeded limit ([`Class::Limit`]) are separate classes. The program exits with 65 for the first, and with 69 for the others.
 
 use std::fmt;
 

@@ -96,8 +96,7 @@ impl Subject {
         Ok(subject)
     }
 
-    /// Selects the only view of a template without `{view}`. Withholds the cases that may be refused if refusals cannot be
-    /// recognized.
+    /// Selects the only view of a template without `{view}`. If refusals cannot be recognized, withholds cases that allow them.
     fn restrict_to(&mut self, text: &str, args: &CheckArgs, suite: &Suite) -> Result<(), String> {
         let template = Template::parse(text)?;
         if !template.has_view() {

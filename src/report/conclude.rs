@@ -53,8 +53,7 @@ pub fn verdicts<C: Reportable>(
     Ok(report)
 }
 
-/// Returns the likely causes of the failures so far, sorted by the number of cases that each explains. The list is empty if the
-/// search panics.
+/// Returns the likely causes of the failures so far, sorted by the number of cases explained, or no cause if the search panics.
 pub fn first_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     run: &Run<C>,

@@ -231,7 +231,6 @@ impl Decoder {
     }
 
     /// Returns a decoder with the same limits and a different command line.
-    #[must_use]
     pub(crate) fn with_command_line(&self, template: Template) -> Decoder {
         Decoder {
             template: Some(template),
@@ -259,7 +258,6 @@ impl Decoder {
     }
 
     /// Runs the decoder in a new process. The input file is called `file_name`, and the output is limited to `max_bytes` bytes.
-    #[must_use]
     pub(crate) fn invoke<V: fmt::Display>(
         &self,
         request: &Request<V>,

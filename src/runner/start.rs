@@ -98,8 +98,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     check_beginning(text, &beginning)
 }
 
-/// Returns the message and the remedy for a command that was not found. A command with spaces may be several words that were
-/// passed as one.
+/// Returns the message and the remedy for a command that was not found. The command may be several words passed as one.
 fn missing_command(text: &str, message: &str) -> Obstacle {
     let next = if text.contains(' ') {
         format!(

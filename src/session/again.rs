@@ -21,8 +21,7 @@ const MIN_REPEATED: usize = 24;
 impl<C: TestCase> Session<'_, C> {
     /// Repeats failures and a sample of the other cases. Returns true if a response differed. If one failure recurs, similar
     /// failures are likely to recur too, so only a few cases of each kind, and usually at most a tenth of the run, are repeated.
-    /// If any response differs, the rest are repeated as well, because a varying response says nothing about the decoder's
-    /// reading.
+    /// If any response differs, the rest are repeated as well, because a varying response says nothing about the reading.
     pub(super) fn repeat(
         &self,
         table: TableSpelling,

@@ -30,8 +30,7 @@ pub struct RunPlan {
     pub prioritized: Vec<bool>,
     /// The reasons why cases are not requested, one slot per case; `None` for requested cases. Empty if all are requested.
     pub withheld: Vec<Option<String>>,
-    /// True if the answers were produced before the run. In that case, there are no first files, and tables have the default
-    /// spelling.
+    /// True if the answers were produced before the run. If so, there are no first files, and tables have the default spelling.
     pub precomputed: bool,
     /// Flag that is set when the user ends the run.
     #[serde(skip)]

@@ -40,8 +40,7 @@ fn reals(bytes: &[u8]) -> Vec<f64> {
 }
 
 impl Expected {
-    /// Returns the samples that are expected in `view` for a file with these values, or `None` if the values do not determine the
-    /// samples.
+    /// Returns the samples that are expected in `view` for a file with these values, or `None` if the values do not suffice.
     #[must_use]
     pub fn new(values: &Values, view: &View) -> Option<Expected> {
         match values {

@@ -1,7 +1,6 @@
 //! Converts a PTM, lit from one direction, to a texture map.
 //!
-//! The image of the PTM under the light (u, v) is clamped to 0 … 255 and converted to RGB texels from 0 to 1. The map has only a
-//! base level.
+//! The image of the PTM under the light (u, v) is clamped to 0 … 255 and converted to RGB from 0 to 1, as the only level.
 //!
 //! Format notes
 //! - A PTM stores its bottom row first, and a texture map begins at the lower left, so the orders agree. Images in this

@@ -185,8 +185,7 @@ fn check_duplicate_records(findings: &mut Findings, plane: usize) {
     }
 }
 
-/// Reports texels of predicted JPEG planes that are so close to 0 or 255 that they may wrap around in a decoder with a different
-/// inverse DCT.
+/// Reports texels of predicted JPEG planes so close to 0 or 255 that they may wrap around in a decoder with another inverse DCT.
 ///
 /// An inverse DCT may be off by one in every plane of a prediction chain, except in constant blocks, for which all decoders
 /// agree. Texels that a record corrects are exact.
