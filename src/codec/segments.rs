@@ -14,7 +14,7 @@ pub(crate) struct MarkerSegment {
     pub content: Vec<u8>,
 }
 
-/// Splits a stream into its segments up to the scan header, and the remaining bytes. Returns an error if one is truncated.
+/// Splits a stream into segments up to the scan header, and the remaining bytes. Returns an error if a segment is truncated.
 pub(crate) fn split_segments(stream: &[u8]) -> StreamResult<(Vec<MarkerSegment>, &[u8])> {
     let mut cursor = Cursor::open(stream)?;
     let mut segments = Vec::new();

@@ -178,7 +178,7 @@ pub(super) fn shared_scope(
     valid.max_by_key(|one| one.cases.len())
 }
 
-/// Returns the formats of the files in `group` that no other file has.
+/// Returns the formats of the files in `group` that no file in `others` has.
 fn own_formats(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<Format> {
     let mut formats = Format::ALL.to_vec();
     let has = |w: &usize, format| witnesses[*w].case.format() == format;

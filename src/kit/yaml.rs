@@ -323,7 +323,7 @@ impl<'de> Deserializer<'de> for &Node {
         deserialize_struct(_name: &'static str, _fields: &'static [&'static str]) = |node, visitor| {
             node.deserialize_map(visitor)
         };
-        // The visitor's methods for other kinds of values are not instantiated, which saves much compile time.
+        // Calling only one method of the visitor avoids generating code for the others.
         deserialize_map() = |node, visitor| match &node.value {
             Value::Map(entries) => {
                 let entries = entries.iter().map(|(key, value)| (key, value));

@@ -173,7 +173,7 @@ fn write_change(out: &mut String, (old, new): &ChangedCase) -> fmt::Result {
     write_lines(out, "    ", "", &details(old), &details(new))
 }
 
-/// Describes each cause in one or two lines. Lists the cases that it explains if `in_full` is true, or else counts them.
+/// Describes each cause in one or two lines. If `in_full` is true, lists the cases that the cause explains; otherwise, counts them.
 fn describe_causes(report: &Report, in_full: bool) -> String {
     let words = |cause: &LikelyCause| {
         let (clause, effect, fix) = (&cause.clause, &cause.effect, &cause.fix);

@@ -121,7 +121,7 @@ mod tests {
     use super::*;
     use crate::protocol::frame::Samples;
 
-    /// Sends a request for a map of one texel, which the caller answers with `answer`. Also returns whether the run stopped.
+    /// Returns the reply to a request for a map of one texel, answered with `answer`, and whether the run was stopped.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {
         let (ours, mut theirs) = UnixStream::pair().expect("a pair of sockets");
         theirs.write_all(answer).expect("the answer fits");

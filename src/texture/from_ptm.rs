@@ -1,6 +1,6 @@
 //! Converts a PTM, lit from one direction, to a texture map.
 //!
-//! The image of the PTM under the light (u, v) is clamped to 0 … 255 and converted to RGB from 0 to 1, as the only level.
+//! The image of the PTM under the light (u, v) is clamped to 0 … 255 and scaled to 0 … 1. It is the only level of the map.
 //!
 //! Format notes
 //! - A PTM stores its bottom row first, and a texture map begins at the lower left, so the orders agree. Images in this
