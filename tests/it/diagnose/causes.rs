@@ -340,8 +340,8 @@ fn every_misreading_is_named() {
 }
 
 #[test]
-fn one_misreading_in_forty_is_named_with_line_feed_after_tables() {
-    check_with_line_feed_after_tables(3, 40);
+fn one_misreading_in_eighty_is_named_with_line_feed_after_tables() {
+    check_with_line_feed_after_tables(3, 80);
 }
 
 #[test]

@@ -39,7 +39,7 @@ fn build(package: &Path) {
 }
 
 #[test]
-fn npm_package_reads_every_file_like_the_program_in_node_and_in_a_browser() {
+fn npm_package_reads_files_like_the_program_in_node_and_in_a_browser() {
     if !(have_tool("node") && have_target(TARGET)) {
         return;
     }

@@ -176,7 +176,7 @@ fn faulty_fitters_fail_with_the_cause() {
     for [find, replace, words] in rows(COPIES) {
         let here = Workspace::new();
         here.write("fitter.py", edit(&source, &find, &replace));
-        let checked = here.check_writer("--fitter -- python3 fitter.py");
+        let checked = here.check_writer("--fitter --ptm-format LRGB -- python3 fitter.py");
         checked.assert_exit(1, "");
         let mut parts = checked.text.split("\n\n");
         let first = parts.find(|part| part.contains("failures: the fitter"));
