@@ -299,16 +299,11 @@ impl<'a> Search<'a> {
     /// Returns the answer of a decoder with the mistakes in `set` and the assumed ones. If several answers are
     /// possible, returns the one that agrees best with the response.
     pub fn best_answer(&self, w: usize, set: &[MistakeId]) -> Cow<'_, Answer> {
-        let mut answers = self.possible_answers(w, set);
+        let mut answers = self.answers_of_variants(w, &self.visible_mistakes(w, set));
         let best = (0..answers.len())
             .min_by_key(|&i| -self.score_of_answer(w, &answers[i]))
             .unwrap_or(0);
         answers.swap_remove(best)
-    }
-
-    /// Returns all possible answers of a decoder with these mistakes. Tries conflicting mistakes one at a time.
-    fn possible_answers(&self, w: usize, set: &[MistakeId]) -> Vec<Cow<'_, Answer>> {
-        self.answers_of_variants(w, &self.visible_mistakes(w, set))
     }
 
     /// Returns true if `set` explains the response, possibly with mistakes that have an effect only in combination.
@@ -334,6 +329,7 @@ impl<'a> Search<'a> {
             .collect()
     }
 
+    /// Returns all possible answers of a decoder with these mistakes. Tries conflicting mistakes one at a time.
     fn answers_of_variants(&self, w: usize, set: &[MistakeId]) -> Vec<Cow<'_, Answer>> {
         let mut variants: Vec<MistakeSet> = vec![Vec::new()];
         for &id in set {
@@ -474,7 +470,7 @@ impl<'a> Search<'a> {
         if let Some(&effect) = cache().get(&key) {
             return effect;
         }
-        let answers = self.possible_answers(w, &key.1);
+        let answers = self.answers_of_variants(w, &key.1);
         let effects = answers.iter().map(|answer| self.answer_effect(w, answer));
         let best = effects.min_by_key(|effect| -effect.score);
         let effect = best.unwrap_or(SetEffect::NO_EFFECT);
@@ -489,7 +485,6 @@ impl<'a> Search<'a> {
         let relevant_ids = self.relevant_ids(w, set);
         let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
         let visible: Vec<(MistakeId, SetEffect)> = relevant_ids.iter().filter_map(alone).collect();
-        // A change of the bytes of a file may have an effect only after another change.
         let is_explained = matches!(visible[..], [(_, effect)] if effect.score >= REFUSAL_SCORE);
         let are_bytes_changed = visible.iter().any(|&(id, _)| self.edits_bytes(id));
         let is_kept = |id: &MistakeId| {
@@ -589,7 +584,8 @@ impl<'a> Search<'a> {
         all.map(|w| with_large || self.is_small(w)).collect()
     }
 
-    /// Returns the finalists with the highest total score on the cases marked in `tried`, usually only one.
+    /// Returns the finalist with the highest total score on the cases marked in `tried`, and those that tie with it. Returns
+    /// `None` if no score is high enough.
     fn pick_finalist(
         &self,
         set: &MistakeSet,
@@ -818,9 +814,7 @@ impl<'a> Search<'a> {
     /// Returns the number of samples in the correct answer.
     pub fn sample_count(&self, w: usize) -> usize {
         match &self.witnesses[w].expected {
-            Answer::Decoded(frame) => {
-                frame.width as usize * frame.height as usize * frame.channels as usize
-            }
+            Answer::Decoded(frame) => frame.samples.len(),
             _ => 0,
         }
     }

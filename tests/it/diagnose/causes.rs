@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use ptm_conform::Reading;
 use ptm_conform::decode::Alternative;
-use ptm_conform::diagnose::{Cause, Diagnosis, can_affect_file, can_combine, diagnose};
+use ptm_conform::diagnose::{Cause, Diagnosis, assume, can_affect_file, can_combine, diagnose};
 use ptm_conform::formula::Edit;
 use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
@@ -421,6 +421,19 @@ fn check_sets(count: usize, size: usize, min_named: usize, max_false: usize) {
     }
     assert!(named * 100 >= tried * min_named, "{named} of {tried}");
     assert!(misled * 100 <= tried * max_false, "{misled} of {tried}");
+}
+
+#[test]
+fn mistake_is_named_in_addition_to_an_assumed_one() {
+    let suite = suite_of_small_files();
+    let [assumed, second] = ["coefficients-reversed", "u-and-v-exchanged"].map(misreading);
+    let (mut run, _) = run_with_mistakes(&suite, &[assumed, second], &[], jobs(), &HashMap::new());
+    assume(&suite, &mut run, &[assumed], jobs());
+    let causes = diagnose(&suite, &run, &[assumed], jobs()).diagnoses;
+    assert_eq!(causes.len(), 1);
+    assert_eq!(slugs(&causes[0]), ["u-and-v-exchanged"]);
+    let found = causes[0].explains.len() + causes[0].partial.len();
+    assert_eq!(found, failures(&run).len());
 }
 
 #[test]
