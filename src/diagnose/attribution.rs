@@ -179,7 +179,7 @@ fn is_weak(search: &Search, set: &[MistakeId], i: usize, share: &Share, left: &[
     let is_read = |w: &&usize| would_refuse(**w, alone) && would_refuse(**w, set);
     let read = search.failing().iter().filter(is_read).count();
     let contradictions = read + search.contradictions(alone).len();
-    let is_guess = || acceptances::describe_observation(witnesses, explained, misreading).is_some();
+    let is_guess = || acceptances::describe_acceptances(witnesses, explained, misreading).is_some();
     let mode = |w: &usize| FailureMode::new(&witnesses[*w]);
     let signal = |text: &str| matches!(ProcessEnd::parse(text), Some(ProcessEnd::Signal(_)));
     let is_signal = |w| matches!(mode(w), Some(FailureMode::Crashes(text)) if signal(&text));
@@ -235,7 +235,7 @@ fn diagnose_member(search: &Search, member: &Member, share: &Share, left: &[usiz
     let in_suite = |indices: &[usize]| -> Vec<usize> {
         indices.iter().map(|&w| witnesses[w].case_index).collect()
     };
-    let accepted = acceptances::describe_observation(witnesses, &share.explains, misreading);
+    let accepted = acceptances::describe_acceptances(witnesses, &share.explains, misreading);
     // A decoder with a misreading that accepts other malformed files as well would not look the same.
     let accepts_more = |misreading: &'static Misreading| {
         let mistake = Mistake::unscoped(misreading);
@@ -319,6 +319,7 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share, left: &[usiz
         fix,
         example: differences::example(
             search,
+            &[],
             differences::smallest_file(witnesses, &share.explains),
         ),
     };

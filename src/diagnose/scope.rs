@@ -120,12 +120,11 @@ pub(super) struct SharedScope {
 }
 
 impl SharedScope {
-    /// Counts the legal files in the scope that have this format, or any format if `format` is `None`. Returns the number of
-    /// files in the group and the number of other files.
-    pub fn count_legal(&self, witnesses: &[Witness], format: Option<Format>) -> (usize, usize) {
+    /// Counts the legal files of `formats` in the scope. Returns the number of files in the group and the number of other files.
+    pub fn count_legal(&self, witnesses: &[Witness], formats: &[Format]) -> (usize, usize) {
         let is_legal = |w: &usize| {
             let case = witnesses[*w].case;
-            case.expect == Expect::Decode && format.is_none_or(|format| case.format() == format)
+            case.expect == Expect::Decode && formats.contains(&case.format())
         };
         let in_scope =
             (0..witnesses.len()).filter(|w| is_legal(w) && self.scope.contains(&witnesses[*w]));
@@ -135,10 +134,24 @@ impl SharedScope {
     }
 
     /// Returns true if the group contains a substantial part of the legal files in the scope.
-    pub fn is_prevalent(&self, witnesses: &[Witness], format: Option<Format>) -> bool {
-        let (own, others) = self.count_legal(witnesses, format);
+    pub fn is_prevalent(&self, witnesses: &[Witness], formats: &[Format]) -> bool {
+        let (own, others) = self.count_legal(witnesses, formats);
         is_substantial(own, own + others)
     }
+}
+
+/// Returns the sets of formats in which a property is searched: all formats, those of `files`, and each of these alone.
+pub(super) fn format_sets(witnesses: &[Witness], files: &[usize]) -> Vec<Vec<Format>> {
+    let own = own_formats(witnesses, files, &[]);
+    let single = own.iter().map(|&format| vec![format]);
+    let single: Vec<Vec<Format>> = single.collect();
+    [vec![Format::ALL.to_vec(), own], single].concat()
+}
+
+/// Returns the files that have one of `formats`.
+pub(super) fn files_of(witnesses: &[Witness], files: &[usize], formats: &[Format]) -> Vec<usize> {
+    let has_format = |w: &usize| formats.contains(&witnesses[*w].case.format());
+    files.iter().copied().filter(has_format).collect()
 }
 
 /// Returns the scope that contains the most files of `group` and none of `others`, unless the match may be a coincidence.

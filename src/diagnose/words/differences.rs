@@ -7,7 +7,7 @@ use std::ops::Range;
 use super::arithmetic::format_arithmetic;
 use super::{files_in_scope, share_text};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
-use crate::diagnose::scope::{FileScope, SharedScope, shared_scope};
+use crate::diagnose::scope::{FileScope, SharedScope, files_of, format_sets, shared_scope};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most, is_substantial};
 use crate::diagnose::{pair::ImagePair, witness::Witness};
@@ -156,17 +156,17 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
             && (!witness.failed || search.agreement(*w, set).explains())
     };
     let known: Vec<usize> = (0..search.witnesses.len()).filter(is_known).collect();
-    let formats = Format::ALL.map(Some);
     let mut diagnoses = Vec::new();
     for (step, mut indices) in by_step {
-        let mut parts = take_scopes(search, &known, &mut indices, &[None]);
+        let mut parts = take_scopes(search, &known, &mut indices, &[Format::ALL.to_vec()]);
         let mut by_clause: BTreeMap<Option<&str>, Vec<usize>> = BTreeMap::new();
         for &w in &indices {
             let clause = step.common_clause().or(step.clause(format(w)));
             by_clause.entry(clause).or_default().push(w);
         }
         for mut indices in by_clause.into_values() {
-            parts.extend(take_scopes(search, &known, &mut indices, &formats));
+            let formats = format_sets(search.witnesses, &indices);
+            parts.extend(take_scopes(search, &known, &mut indices, &formats[1..]));
             if !indices.is_empty() {
                 let files = share_text(search.witnesses, &indices);
                 parts.push(CauseGroup {
@@ -300,36 +300,32 @@ struct CauseGroup {
     clause: Option<&'static str>,
 }
 
-/// For each of `formats`, finds files in `open` with a property that most `open` files and no `known` file have. Removes these
+/// For each set of formats, finds files in `open` with a property that most `open` files and no `known` file have. Removes these
 /// files from `open` and returns them in groups.
 fn take_scopes(
     search: &Search,
     known: &[usize],
     open: &mut Vec<usize>,
-    formats: &[Option<Format>],
+    format_sets: &[Vec<Format>],
 ) -> Vec<CauseGroup> {
     let witnesses = search.witnesses;
     let format = |w: usize| witnesses[w].case.format();
-    let select = |indices: &[usize], one: Option<Format>| -> Vec<usize> {
-        let has_format = |w: &usize| one.is_none_or(|one| format(*w) == one);
-        indices.iter().copied().filter(has_format).collect()
-    };
     // If nearly all failures of these formats are explained, the rest nearly always share some property by chance.
     let is_explained = |w: &&usize| {
         witnesses[**w].failed && open.iter().any(|other| format(*other) == format(**w))
     };
     let is_rest = is_few(open.len(), known.iter().filter(is_explained).count());
     let mut parts = Vec::new();
-    for &one in formats.iter().filter(|_| !search.is_arbitrary && !is_rest) {
-        let group = select(open, one);
-        let shared = shared_scope(witnesses, &group, &select(known, one), false);
+    for formats in (format_sets.iter()).filter(|_| !search.is_arbitrary && !is_rest) {
+        let [group, others] = [&open[..], known].map(|files| files_of(witnesses, files, formats));
+        let shared = shared_scope(witnesses, &group, &others, false);
         let is_rule = |shared: &SharedScope| {
-            is_most(shared.cases.len(), open.len()) && shared.is_prevalent(witnesses, one)
+            is_most(shared.cases.len(), open.len()) && shared.is_prevalent(witnesses, formats)
         };
         if let Some(shared) = shared.filter(is_rule) {
             open.retain(|w| !shared.cases.contains(w));
             parts.push(CauseGroup {
-                files: files_in_scope(witnesses, &shared, one),
+                files: files_in_scope(witnesses, &shared, formats),
                 // The clause of the step is closer to the cause than the clause of a property.
                 clause: match shared.scope {
                     FileScope::Beyond { .. } => shared.scope.clause(),
@@ -383,7 +379,7 @@ fn difference_text(
     let text = CauseText {
         effect: format!("{effect}, in {}{views}", part.files),
         fix: fix.to_owned(),
-        example: example_with_mistakes(search, set, smallest_file(witnesses, indices)),
+        example: example(search, set, smallest_file(witnesses, indices)),
     };
     let described = Diagnosis::from_description(Category::Difference, witnesses, indices, text);
     match clause {
@@ -636,14 +632,9 @@ pub(in crate::diagnose) fn smallest_file(witnesses: &[Witness], indices: &[usize
     smallest.expect("a diagnosis explains at least one case")
 }
 
-/// Describes the first wrong sample in a file: its received and expected values, the arithmetic, and the bytes that determine the
-/// expected value.
-pub(in crate::diagnose) fn example(search: &Search, w: usize) -> String {
-    example_with_mistakes(search, &[], w)
-}
-
-/// Like [`example`], but for the first sample that the mistakes in `set` do not explain.
-fn example_with_mistakes(search: &Search, set: &[MistakeId], w: usize) -> String {
+/// Describes the first wrong sample in a file that the mistakes in `set` do not explain: its received and expected values, the
+/// arithmetic, and the bytes that determine the expected value.
+pub(in crate::diagnose) fn example(search: &Search, set: &[MistakeId], w: usize) -> String {
     let witness = &search.witnesses[w];
     let id = &witness.case.id;
     let first = image_pair(search, &[], w).and_then(|mut pair| {

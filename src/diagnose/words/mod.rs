@@ -11,19 +11,22 @@ pub(super) mod violation;
 
 pub use arithmetic::format_steps as arithmetic_steps;
 
-use super::{scope::SharedScope, witness::Witness};
+use super::scope::{FileScope, SharedScope};
+use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
 /// Describes the files of one format, or of all formats, in a scope: "every legal file with predicted planes", "12 of 14 legal
 /// files with predicted planes" if other files in the scope fail in another way, or "12 legal files with predicted planes" if
 /// other files were not judged.
-fn files_in_scope(witnesses: &[Witness], shared: &SharedScope, format: Option<Format>) -> String {
-    let (count, others) = shared.count_legal(witnesses, format);
-    let prefix = format.map_or(String::new(), |format| {
-        format!("of {} ", format.short_name())
-    });
-    let scope = prefix + &shared.scope.describe();
+fn files_in_scope(witnesses: &[Witness], shared: &SharedScope, formats: &[Format]) -> String {
+    let (count, others) = shared.count_legal(witnesses, formats);
+    let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
+    let scope = match shared.scope {
+        _ if formats.len() == Format::ALL.len() => shared.scope.describe(),
+        FileScope::Formats(_) => shared.scope.describe(),
+        _ => format!("of {} {}", names.join(", "), shared.scope.describe()),
+    };
     match others {
         _ if count == 0 => format!(
             "{} files {scope} that need not be decoded",

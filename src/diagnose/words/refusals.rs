@@ -2,8 +2,9 @@
 
 use super::{files_in_scope, share_text};
 use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
+use crate::diagnose::scope::{files_of, format_sets, shared_scope};
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
-use crate::diagnose::{failure_mode::FailureMode, scope::shared_scope, witness::Witness};
+use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
 use crate::kit::last_message::last_message;
 use crate::misreadings::{Misreading, Symptom};
 use crate::ptm::Format;
@@ -16,17 +17,17 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
     for mode in FailureMode::list_by_frequency(witnesses, left) {
         let mut open = mode.select(witnesses, left);
         // A property shared by a few of many files is a coincidence.
-        let find_shared = |open: &[usize], one: Option<Format>| {
-            let has_format = |w: &usize| one.is_none_or(|one| witnesses[*w].case.format() == one);
-            let select = |all: &[usize]| all.iter().copied().filter(has_format).collect::<Vec<_>>();
-            let shared = shared_scope(witnesses, &select(open), &select(&read), true)?;
-            is_substantial(shared.cases.len(), open.len()).then_some((shared, one))
+        let find_shared = |open: &[usize], formats: Vec<Format>| {
+            let [own, others] = [open, &read].map(|files| files_of(witnesses, files, &formats));
+            let shared = shared_scope(witnesses, &own, &others, true)?;
+            is_substantial(shared.cases.len(), open.len()).then_some((shared, formats))
         };
-        let formats = || [None].into_iter().chain(Format::ALL.map(Some));
-        while let Some((shared, one)) = formats().find_map(|one| find_shared(&open, one)) {
+        while let Some((shared, formats)) = (format_sets(witnesses, &open).into_iter())
+            .find_map(|formats| find_shared(&open, formats))
+        {
             open.retain(|w| !shared.cases.contains(w));
             left.retain(|w| !shared.cases.contains(w));
-            let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, one));
+            let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, &formats));
             let refusal = mode_diagnosis(witnesses, &shared.cases, &mode, effect);
             diagnoses.push(match shared.scope.clause() {
                 Some(clause) => refusal.with_clause(clause),
@@ -168,7 +169,10 @@ pub(in crate::diagnose) fn describe_observation(
     let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !indices.contains(w);
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
     let shared = shared_scope(witnesses, indices, &others, false)?;
-    let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, None));
+    let effect = format!(
+        "{mode} {}",
+        files_in_scope(witnesses, &shared, &Format::ALL)
+    );
     (shared.cases.len() == indices.len()).then(|| mode_diagnosis(witnesses, indices, &mode, effect))
 }
 
