@@ -74,9 +74,14 @@ impl FailureMode {
 fn generalize(error: &str) -> String {
     let unquoted = error.split('"').step_by(2).collect::<Vec<_>>().join("…");
     let words = unquoted.split(';').next().unwrap_or_default().split(' ');
-    let is_number = |word: &str| word.starts_with(|c: char| c.is_ascii_digit());
-    let words = words.map(|word| if is_number(word) { "…" } else { word });
-    words.collect::<Vec<_>>().join(" ")
+    let generalize_word = |word: &str| {
+        let value = word.trim_matches(['(', ')', ',', ':']);
+        match value.starts_with(|c: char| c.is_ascii_digit()) {
+            true => word.replace(value, "…"),
+            false => word.to_owned(),
+        }
+    };
+    words.map(generalize_word).collect::<Vec<_>>().join(" ")
 }
 
 impl fmt::Display for FailureMode {

@@ -141,7 +141,8 @@ fn single_mistakes(
     found.into_iter().flatten().collect()
 }
 
-/// Returns pairs of mistakes that explain the smallest failing files and that no passing case contradicts.
+/// Returns pairs of mistakes that explain one of the smallest failing files and a quarter of all, and that no passing case
+/// contradicts.
 fn mistake_pairs(
     attempts: &Attempts,
     failing: &[usize],
@@ -169,7 +170,7 @@ fn mistake_pairs(
             |attempt: &Attempt| misreads_right_file(attempt, &[first.step, second.step]);
         let contradicts = |index: usize| attempts.get(&index).is_some_and(is_misread);
         CoverCandidate::new((first, second), failing, explains, passing, contradicts)
-            .filter(|pair| pair.contradicted.is_empty())
+            .filter(|pair| pair.contradicted.is_empty() && 4 * pair.explains.len() >= failing.len())
     };
     let smallest = smallest_attempts(attempts, failing).into_iter();
     smallest.take(PAIR_SEARCH_FILES).filter_map(pair).collect()

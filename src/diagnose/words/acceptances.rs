@@ -50,7 +50,7 @@ fn describe_acceptance(witnesses: &[Witness], indices: &[usize]) -> Diagnosis {
 
 /// Describes accepted malformed files if a misreading explains only these, although it would also affect other files. Malformed
 /// files have no correct image, so these cases do not reveal how the decoder reads them.
-pub(in crate::diagnose) fn describe_observation(
+pub(in crate::diagnose) fn describe_acceptances(
     witnesses: &[Witness],
     indices: &[usize],
     misreading: &Misreading,

@@ -58,12 +58,14 @@ fn fix(mode: &FailureMode, may_be_read: bool) -> String {
         true => "show an image or exit with status 65",
         false => "exit with status 65",
     };
-    if *mode == FailureMode::Unsupported {
-        return "exit with 65 for a malformed file of a kind that the decoder reads; 69 means that the decoder reads no files of this kind"
-            .to_owned();
-    }
-    match mode.refusal_status() {
-        Some(status) => format!("{advice}; {}", reject_exit_hint(status)),
-        None => format!("detect the fault, and {advice}"),
+    match (mode, mode.refusal_status()) {
+        (FailureMode::Unsupported, _) => {
+            "exit with 65 for a malformed file of a kind that the decoder reads; 69 means that the decoder reads no files of this kind".to_owned()
+        }
+        (FailureMode::MalformedFrame(_), _) => {
+            format!("{advice}; a refusal writes nothing to standard output")
+        }
+        (_, Some(status)) => format!("{advice}; {}", reject_exit_hint(status)),
+        (_, None) => format!("detect the fault, and {advice}"),
     }
 }
