@@ -12,7 +12,6 @@ use super::ending::{OutputArgs, ReportWriter};
 use super::progress::{self, ProgressLine};
 use super::{CommandResult, calls::RunArgs};
 use super::{files::with_path, guard::check_for_trouble, output::jobs};
-use ptm_conform::diagnose::MAX_WORK;
 use ptm_conform::report::conclude::{add_causes, first_causes, verdicts};
 use ptm_conform::report::reported::Reportable;
 use ptm_conform::report::shards::{
@@ -21,7 +20,7 @@ use ptm_conform::report::shards::{
 use ptm_conform::report::text::first_causes_to_text;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::{Run, Session};
+use ptm_conform::session::run::{Observations, Run, Session};
 use ptm_conform::session::{asking::DecoderFn, contact::Contact, observation::Observation};
 use ptm_conform::suite::cases::Suite;
 
@@ -108,7 +107,7 @@ impl<'a, C: Reportable> Check<'a, C> {
         session: &Session<C>,
         contact: &Contact<C>,
         pace: Duration,
-    ) -> Vec<Option<Observation<C>>> {
+    ) -> Observations<C> {
         let (soonest, others) = session.agenda(contact);
         let all = soonest.len() + others.len();
         let done = AtomicUsize::new(0);
@@ -163,7 +162,7 @@ impl<'a, C: Reportable> Check<'a, C> {
         let stop = Arc::new(AtomicBool::new(false));
         run.stop = Arc::clone(&stop);
         let label = "searching for first causes";
-        self.progress.begin_counted(label, &run.work, MAX_WORK);
+        self.progress.begin_search(label, &run.work);
         let diagnose = |run: &Run<C>| C::diagnose(suite, run, assumed, self.plan.jobs);
         let causes = run_with_time_limit(time_limit, &stop, &self.plan.stop, || {
             first_causes(suite, &run, diagnose)
@@ -197,7 +196,7 @@ impl<'a, C: Reportable> Check<'a, C> {
             recorder.finish(&end).map_err(with_path(&path))?;
         }
         let label = "searching for causes";
-        self.progress.begin_counted(label, &run.work, MAX_WORK);
+        self.progress.begin_search(label, &run.work);
         let report = add_causes(suite, &run, report, |run| {
             let found = C::diagnose(suite, run, &assumed, plan.jobs);
             if let Some(time) = found.cpu_time

@@ -13,7 +13,7 @@ use clap::Args;
 use super::output::{bar, jobs};
 use super::terminal::print_styled;
 use super::{
-    CommandResult, arguments::is_at_or_below, links::page_line, names::nearest_names, readers,
+    CommandResult, arguments::is_at_or_below, links::page_line, names::did_you_mean, readers,
 };
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::misreadings::{self, Misreading, writing};
@@ -339,13 +339,13 @@ fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {
         .chain(misreadings::all().map(|misreading| misreading.slug))
         .chain(codes::ALL.iter().map(|code| code.id))
         .chain(profiles.iter().map(|profile| profile.name.as_str()));
-    let near = nearest_names(id, known);
-    Ok(match near.is_empty() {
-        true => format!(
-            "unknown id {id:?}; ptm-conform explain lists all sections, misreadings, rulings and codes"
-        ),
-        false => format!("unknown id {id:?}; did you mean {}?", near.join(" or ")),
-    })
+    let hint = match did_you_mean(id, known) {
+        hint if hint.is_empty() => {
+            "; ptm-conform explain lists all sections, misreadings, rulings and codes".to_owned()
+        }
+        hint => hint,
+    };
+    Ok(format!("unknown id {id:?}{hint}"))
 }
 
 /// Describes a lint code and lists the cases that trigger it.

@@ -20,7 +20,8 @@ pub fn with_path<E: Display>(path: &Path) -> impl Fn(E) -> String + '_ {
     move |error| format!("{}: {}", path.display(), strip_os_error_code(&error))
 }
 
-/// Converts bytes to a path. On Unix systems, a path may contain any bytes.
+/// Converts bytes to a path. On Unix systems, a path may contain any bytes. Elsewhere, trailing carriage returns are removed,
+/// because a list may have CR LF line ends.
 pub fn path_from_bytes(bytes: Vec<u8>) -> PathBuf {
     #[cfg(unix)]
     let path = <std::ffi::OsString as std::os::unix::ffi::OsStringExt>::from_vec(bytes);

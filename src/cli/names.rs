@@ -1,16 +1,9 @@
 //! Suggestions for misspelled names.
 
-/// Returns "; did you mean …?" with similar names, or an empty string if there are none.
+/// Returns "; did you mean …?" with at most three names that are similar to `name` or contain it, most similar first, or an
+/// empty string if there are none.
 pub fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
-    match nearest_names(name, known) {
-        near if near.is_empty() => String::new(),
-        near => format!("; did you mean {}?", near.join(" or ")),
-    }
-}
-
-/// Returns at most three names that are similar to `id` or contain it, most similar first.
-pub fn nearest_names<'a>(id: &str, known: impl Iterator<Item = &'a str>) -> Vec<&'a str> {
-    let wanted = id.to_lowercase();
+    let wanted = name.to_lowercase();
     let similarity = |name: &str| {
         let (name, is_long) = (name.to_lowercase(), wanted.len() >= 4);
         let least = if is_long && name.contains(&wanted) {
@@ -24,5 +17,9 @@ pub fn nearest_names<'a>(id: &str, known: impl Iterator<Item = &'a str>) -> Vec<
     near.retain(|(similarity, _)| *similarity >= 0.88);
     near.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(b.1)));
     near.dedup_by_key(|(_, name)| *name);
-    near.into_iter().take(3).map(|(_, name)| name).collect()
+    let near: Vec<&str> = near.into_iter().take(3).map(|(_, name)| name).collect();
+    match near.is_empty() {
+        true => String::new(),
+        false => format!("; did you mean {}?", near.join(" or ")),
+    }
 }

@@ -9,6 +9,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use indicatif::ProgressBar;
+use ptm_conform::diagnose::MAX_WORK;
 
 use super::output::{bar, is_quiet, print_error};
 
@@ -113,11 +114,11 @@ impl ProgressLine {
         self.bar.set_position(0);
     }
 
-    /// Starts a new activity of at most `limit` steps, which are counted in `counter`.
-    pub fn begin_counted(&self, label: &'static str, counter: &Arc<AtomicUsize>, limit: usize) {
+    /// Starts a search of at most [`MAX_WORK`] steps, which are counted in `counter`.
+    pub fn begin_search(&self, label: &'static str, counter: &Arc<AtomicUsize>) {
         self.begin(label);
         let mut activity = lock(&self.activity);
-        (activity.done, activity.total, activity.is_limit) = (Arc::clone(counter), limit, true);
+        (activity.done, activity.total, activity.is_limit) = (Arc::clone(counter), MAX_WORK, true);
     }
 
     /// Reports that `done` of `total` items are finished. Concurrent calls may arrive out of order.

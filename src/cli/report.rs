@@ -7,6 +7,7 @@ use clap::{Args, Subcommand};
 use super::arguments::id_filter;
 use super::ending::{OutputArgs, ReportWriter};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
+use ptm_conform::kit::escape_controls;
 use ptm_conform::report::{Report, badge, github, html, junit};
 use ptm_conform::report::{merge::RecordedAnswers, reported::Reportable};
 use ptm_conform::suite::{cases::Case, name::SuiteName, texture::cases::TextureCase};
@@ -133,7 +134,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
         }
         ReportCommand::Diff { old, new, cases } => {
             let changes = Report::read(old)?.changes_to(&Report::read(new)?, *cases);
-            super::terminal::print_styled(&escape_control_characters(&changes));
+            super::terminal::print_styled(&escape_controls(&changes));
             return Ok(u8::from(!changes.is_empty()));
         }
     };
@@ -171,7 +172,7 @@ fn convert<C: Reportable>(command: &ReportCommand, reports: &[Report]) -> Comman
                 let says = "no case in the report matches the pattern";
                 return Err(CommandError::new(EXIT_NOTHING_SELECTED, says));
             }
-            super::terminal::print_styled(&escape_control_characters(&text));
+            super::terminal::print_styled(&escape_controls(&text));
             Ok(0)
         }
         ReportCommand::Merge(_) | ReportCommand::Diff { .. } => Ok(0),
@@ -187,14 +188,4 @@ fn merge<C: Reportable>(args: &MergeArgs) -> CommandResult {
         answers.merge(&suite, jobs, &|_, _, done, all| progress(done, all))
     })?;
     Ok(writer.finish(&run, report)?)
-}
-
-/// Escapes control characters other than line feeds and tabs, so that text from untrusted reports is safe to print.
-fn escape_control_characters(text: &str) -> String {
-    let shown = |c: char| match c {
-        '\n' | '\t' => c.to_string(),
-        c if c.is_control() => c.escape_default().to_string(),
-        c => c.to_string(),
-    };
-    text.chars().map(shown).collect()
 }

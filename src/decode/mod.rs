@@ -98,11 +98,7 @@ pub fn decode(file: &[u8]) -> Result<Ptm> {
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
 pub fn decode_as(file: &[u8], reading: &Reading, limits: &Limits) -> Result<Ptm> {
-    let stored = open_as(file, reading, limits)?;
-    Ok(Ptm {
-        header: stored.header,
-        planes: stored.planes(limits)?,
-    })
+    open_as(file, reading, limits)?.decode(limits)
 }
 
 /// Parses `file` like [`decode`], but leaves the values where they are stored, so that large maps can be processed in
@@ -127,9 +123,7 @@ pub fn open(file: &[u8]) -> Result<StoredMap<'_>> {
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
 pub fn open_as<'a>(file: &'a [u8], reading: &'a Reading, limits: &Limits) -> Result<StoredMap<'a>> {
-    let mut input = Input::new(file);
-    let header = read_header(&mut input)?;
-    read_values(&header, &mut input, reading, limits)
+    read_map(&mut Input::new(file), reading, limits)
 }
 
 /// Returns the fields of `file` in file order, up to the first error, and that error, if any.
@@ -146,14 +140,8 @@ pub fn examine(file: &[u8]) -> (Vec<Field>, Result<Ptm>) {
 
 /// Returns the fields of `file` under a different reading of the open questions, and the result of [`decode_as`].
 pub fn examine_as(file: &[u8], reading: &Reading) -> (Vec<Field>, Result<Ptm>) {
-    let mut input = Input::new(file);
-    let outcome = read_header(&mut input).and_then(|header| {
-        let stored = read_values(&header, &mut input, reading, &Limits::default())?;
-        Ok(Ptm {
-            planes: stored.planes(&Limits::default())?,
-            header,
-        })
-    });
+    let (mut input, limits) = (Input::new(file), Limits::default());
+    let outcome = read_map(&mut input, reading, &limits).and_then(|map| map.decode(&limits));
     (input.into_fields(), outcome)
 }
 
@@ -170,12 +158,18 @@ pub(crate) fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<S
                 .reconstruct_map(SPEC)?,
             None => read_values(&header, &mut input, SPEC, &limits)?,
         };
-        Ok(Ptm {
-            planes: stored.planes(&limits)?,
-            header,
-        })
+        stored.decode(&limits)
     });
     (input.into_fields(), outcome, streams)
+}
+
+fn read_map<'a>(
+    input: &mut Input<'a>,
+    reading: &'a Reading,
+    limits: &Limits,
+) -> Result<StoredMap<'a>> {
+    let header = read_header(input)?;
+    read_values(&header, input, reading, limits)
 }
 
 /// Reads the header (2.1–2.4).

@@ -36,11 +36,11 @@ pub struct StoredMap<'a> {
 }
 
 impl StoredMap<'_> {
-    /// Assembles all texels of the map.
+    /// Assembles the whole map.
     ///
     /// # Errors
     /// Returns [`Kind::TooLarge`](crate::error::Kind::TooLarge) if the texels need more memory than the limit allows.
-    pub fn planes(&self, limits: &Limits) -> Result<Planes> {
+    pub fn decode(&self, limits: &Limits) -> Result<Ptm> {
         let Size { width, height } = self.header.size;
         let channels = self.shape.channels();
         // The planes of a compressed file stay in memory in addition to the file and the assembled texels.
@@ -52,10 +52,14 @@ impl StoredMap<'_> {
         for (row, texels) in (0..height).zip(rows) {
             self.read(row, 0..width, texels);
         }
-        Ok(Planes {
+        let planes = Planes {
             size: self.header.size,
             shape: self.shape,
             samples,
+        };
+        Ok(Ptm {
+            header: self.header,
+            planes,
         })
     }
 

@@ -45,7 +45,7 @@ impl Witness<'_> {
     /// Returns the response if its colors equal those that the mistakes produce after rounding or truncation to bytes. This
     /// comparison is stricter than the tolerance, so it also distinguishes mistakes with small effects.
     pub fn matching_colors(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
-        let (View::Rgb(light), Some(actual), Answer::Decoded(made)) =
+        let (view @ View::Rgb(_), Some(actual), Answer::Decoded(made)) =
             (&self.observation.view, self.wrong_image(), made)
         else {
             return None;
@@ -62,7 +62,7 @@ impl Witness<'_> {
             }
             false => misreadings::read(&misreadings, self.reading, &self.built.file).ok()?,
         };
-        let colors = misreadings::unrounded_colors(&misreadings, &reading, &ptm, light);
+        let colors = misreadings::unrounded_values(&misreadings, &reading, &ptm, view);
         let Samples::U8(bytes) = &actual.samples else {
             return None;
         };

@@ -163,11 +163,7 @@ impl Witness<'_> {
         let Hook::Bytes(edit) = first.step else {
             return Cow::Owned(self.answer_to_file(mistakes, &self.built.file));
         };
-        let anatomy = Anatomy {
-            file: &self.built.file,
-            fields: self.fields().to_vec(),
-        };
-        match edit(&anatomy) {
+        match edit(&self.anatomy()) {
             EditedFile::Refused => Cow::Owned(Answer::Rejected),
             EditedFile::File(bytes) if bytes == self.built.file => self.answer_of_misreadings(rest),
             EditedFile::File(bytes) => Cow::Owned(self.answer_to_file(rest, &bytes)),
@@ -207,11 +203,14 @@ impl Witness<'_> {
 
     /// Returns the offset of the first byte after the header text.
     pub fn payload_offset(&self) -> usize {
-        let anatomy = Anatomy {
+        self.anatomy().payload_offset()
+    }
+
+    fn anatomy(&self) -> Anatomy<'_> {
+        Anatomy {
             file: &self.built.file,
             fields: self.fields().to_vec(),
-        };
-        anatomy.payload_offset()
+        }
     }
 
     /// Returns the model from which the file was generated, if any.

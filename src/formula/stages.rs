@@ -219,12 +219,12 @@ impl TexelLayout<'_> {
     fn samples_of_table(&self, input: &mut Input) -> Result<Vec<u8>> {
         let count = (self.reading.entry_count)(input)?;
         let entry_size = self.header.format.entry_size();
-        // An optional line feed after the table is not part of the payload.
         let table = input.take(
             "2.5/3",
             "the table's entries",
             count as u64 * entry_size as u64,
         )?;
+        // An optional line feed after the table is not part of the payload.
         (self.reading.after_table)(input)?;
         let payload = [table, input.rest()].concat();
         let (entries, size) = (count as f64, entry_size as f64);

@@ -42,7 +42,7 @@ pub fn read_text(path: &Path) -> Result<String, String> {
         .map_err(|error| with_path(&error))?;
     if bytes.len() as u64 > MAX_BYTES {
         return Err(with_path(&format!(
-            "the file is larger than {} MiB, so it is not a report",
+            "the file is larger than {} MiB",
             MAX_BYTES >> 20
         )));
     }

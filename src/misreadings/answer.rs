@@ -62,30 +62,34 @@ pub(crate) fn render(
     ptm: &Ptm,
     view: &View,
 ) -> Answer {
-    let mut ptm = Cow::Borrowed(ptm);
-    for edit in plane_edits(misreadings) {
-        edit(ptm.to_mut());
-    }
-    let edits = formula_edits(misreadings);
+    let (ptm, edits) = (
+        with_plane_edits(misreadings, ptm),
+        formula_edits(misreadings),
+    );
     Answer::Decoded(Frame::render_edited(&ptm, view, reading, Edits(&edits)))
 }
 
-/// Computes the unrounded colors under a light for a decoder with these mistakes.
+/// Computes the samples in `view` for a decoder with these mistakes. Colors are not rounded.
 #[cfg(unix)]
-pub(crate) fn unrounded_colors(
+pub(crate) fn unrounded_values(
     misreadings: &[&Misreading],
     reading: &Reading,
     ptm: &Ptm,
-    light: &crate::protocol::frame::Light,
+    view: &View,
 ) -> Vec<f64> {
+    let (ptm, edits) = (
+        with_plane_edits(misreadings, ptm),
+        formula_edits(misreadings),
+    );
+    view.values(&ptm, reading, Edits(&edits))
+}
+
+fn with_plane_edits<'a>(misreadings: &[&Misreading], ptm: &'a Ptm) -> Cow<'a, Ptm> {
     let mut ptm = Cow::Borrowed(ptm);
     for edit in plane_edits(misreadings) {
         edit(ptm.to_mut());
     }
-    let edits = formula_edits(misreadings);
-    let ptm = formula::stored_values(&ptm, Edits(&edits));
-    let finals = formula::final_values(&ptm, reading, Edits(&edits));
-    formula::image(&finals, light.lu, light.lv, reading, Edits(&edits)).values
+    ptm
 }
 
 /// Returns the formula edits of these mistakes. If two mistakes edit the same formula, the edit of the later mistake comes first.

@@ -65,7 +65,7 @@ pub use answer::answer;
 #[cfg(any(unix, feature = "tools"))]
 pub(crate) use answer::read;
 #[cfg(unix)]
-pub(crate) use answer::{apply_to_reading, render, unrounded_colors};
+pub(crate) use answer::{apply_to_reading, render, unrounded_values};
 #[cfg(feature = "tools")]
 pub(crate) use answer::{formula_edits, plane_edits};
 pub use catalog::{all, find};

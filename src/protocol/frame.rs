@@ -338,12 +338,7 @@ impl Frame {
     /// Renders `ptm` in `view` under the reference's reading.
     #[must_use]
     pub fn render(ptm: &Ptm, view: &View) -> Frame {
-        Frame::render_under(ptm, view, &Reading::SPEC)
-    }
-
-    /// Renders `ptm` in `view` under a reading.
-    pub(crate) fn render_under(ptm: &Ptm, view: &View, reading: &Reading) -> Frame {
-        Frame::render_edited(ptm, view, reading, Edits(&[]))
+        Frame::render_edited(ptm, view, &Reading::SPEC, Edits(&[]))
     }
 
     /// Renders `ptm` in `view` under a reading, with some formulas edited.

@@ -213,7 +213,7 @@ impl<C: TestCase> AnswerRecorder<C> {
         let expected = matches!(
             observation.response,
             Response::Image {
-                right: RightDialects::InAll(true),
+                right: RightDialects::Regardless(true),
                 difference: None,
                 allowance: Allowance::None,
                 ..

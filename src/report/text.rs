@@ -10,8 +10,11 @@ use crate::report::words::{call_instructions, details};
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::{cases::Suite, test_case::TestCase};
 
-/// Maximum number of example failures for a misreading in the catalog, and for any other cause.
-const MAX_EXAMPLES: (usize, usize) = (2, 1);
+/// Maximum number of example failures for a misreading in the catalog.
+const MAX_MISREADING_EXAMPLES: usize = 2;
+
+/// Maximum number of example failures for any other cause.
+const MAX_OTHER_EXAMPLES: usize = 1;
 
 impl Report {
     /// Formats the report for a terminal. At most `max_failures` unexplained failures are described in full.
@@ -142,8 +145,11 @@ impl<C: TestCase> Page<'_, C> {
             writeln!(out, "  {}", capitalize(example))?;
         }
         let (more, examples) = match &cause.misreading {
-            Some(slug) => (format!(" More: ptm-conform explain {slug}"), MAX_EXAMPLES.0),
-            None => (String::new(), MAX_EXAMPLES.1),
+            Some(slug) => (
+                format!(" More: ptm-conform explain {slug}"),
+                MAX_MISREADING_EXAMPLES,
+            ),
+            None => (String::new(), MAX_OTHER_EXAMPLES),
         };
         writeln!(out, "  Fix: {}.{more}", cause.fix)?;
         let explained = |case: &&&CaseResult| cause.explains.contains(&case.id);
@@ -208,12 +214,7 @@ impl<C: TestCase> Page<'_, C> {
             false => String::new(),
         };
         writeln!(out, "{}: {}{selection}", report.verdict, report.counts())?;
-        if report.verdict == "fail"
-            && report
-                .cases
-                .iter()
-                .all(|case| case.outcome != Outcome::Fail)
-        {
+        if report.verdict == "fail" && self.failing.is_empty() {
             writeln!(
                 out,
                 "no case failed, but the run does not pass; see the remarks above"

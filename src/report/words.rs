@@ -5,7 +5,7 @@ use crate::report::document::LikelyCause;
 use crate::suite::name::SuiteName;
 
 /// Looks up slugs in the catalogs of the suite and returns the slug, clause and effect of each. Unknown slugs are skipped.
-fn find_misreadings(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = [&str; 3]> {
+fn misreading_texts(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = [&str; 3]> {
     slugs.iter().filter_map(move |slug| {
         if suite == SuiteName::Writers {
             return writing::find(slug).map(|one| [slug, one.clause, one.effect]);
@@ -27,7 +27,7 @@ type Detail<'a> = (String, &'a str, &'static str, Option<String>);
 pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
     let subject = suite.subject();
     let mut details: Vec<Detail> = Vec::new();
-    let mut equivalent = find_misreadings(suite, &cause.equivalents);
+    let mut equivalent = misreading_texts(suite, &cause.equivalents);
     for [slug, clause, effect] in equivalent.by_ref().take(MAX_EQUIVALENT_MISREADINGS) {
         let before = format!("A decoder that {effect} would look the same (clause {clause}; ");
         details.push((before, slug, ")", Some(suite.misreading_page(slug))));
@@ -38,7 +38,7 @@ pub(super) fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> 
         let before = format!("{more} other misreading{plural} would look the same; see the report");
         details.push((before, "", "", None));
     }
-    for [slug, _, effect] in find_misreadings(suite, &cause.accompanying) {
+    for [slug, _, effect] in misreading_texts(suite, &cause.accompanying) {
         let before = format!("In some of these cases, the {subject} also {effect} (");
         details.push((before, slug, ")", None));
     }

@@ -18,8 +18,6 @@ pub mod serve;
 
 pub mod caller;
 
-pub mod capabilities;
-
 pub mod start;
 
 pub mod template;

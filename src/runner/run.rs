@@ -19,6 +19,8 @@ use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
 
+use crate::kit::escape_controls;
+use crate::protocol::capabilities::Capabilities;
 use crate::protocol::forms;
 use crate::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, ProcessEnd, View};
 use crate::runner::call::{Call, CallEnd, CallLimits, CallOutput};
@@ -30,6 +32,9 @@ use crate::runner::trouble::{Trouble, is_shortage};
 
 /// Maximum time for repeating a call that fails because of a problem in this program. After that, the run stops.
 const MAX_RETRY_TIME: Duration = Duration::from_secs(5);
+
+/// Maximum number of bytes in a list of capabilities.
+const MAX_CAPABILITIES_BYTES: usize = 16 * 1024;
 
 /// A decoder and the limits that apply to each call.
 #[derive(Clone, Debug)]
@@ -378,28 +383,28 @@ impl Decoder {
         Ok(Call::new(child).map_err(|error| Trouble::new("monitor a call", &error))?)
     }
 
-    /// Calls the decoder with a single argument that is not a view. Returns its standard output, at most `max_bytes` bytes.
-    /// Returns a sentence that describes the failure if the decoder does not exit with 0.
-    pub(crate) fn run_with_argument(
-        &self,
-        word: &str,
-        max_bytes: usize,
-        scratch: &Scratch,
-    ) -> Result<Vec<u8>, String> {
+    /// Queries the capabilities of the decoder with `DECODER capabilities`. An error is not a failure of the decoder, because
+    /// the command is optional.
+    ///
+    /// # Errors
+    /// Returns a message that describes the response if it is not a list of capabilities.
+    pub fn capabilities(&self, scratch: &Scratch) -> Result<Capabilities, String> {
         if self.template.is_some() {
-            return Err(format!(
-                "the command line has no placeholder for the argument {word}"
-            ));
+            return Err(
+                "the command line has no placeholder for the argument capabilities".to_owned(),
+            );
         }
         let result = self.retry(|| {
             let workspace = scratch.workspace()?;
-            let words = self.command_with(&[OsStr::new(word)]);
-            self.run_command(&words, max_bytes, self.timeout, &workspace.work_dir)
+            let words = self.command_with(&[OsStr::new("capabilities")]);
+            self.run_command(
+                &words,
+                MAX_CAPABILITIES_BYTES,
+                self.timeout,
+                &workspace.work_dir,
+            )
         });
-        result.output.map_err(|answer| match answer.violation() {
-            Some(why) => format!("{}: {why}", answer.name()),
-            None => answer.name().to_owned(),
-        })
+        Capabilities::read(&result.output.map_err(|answer| answer.describe())?)
     }
 
     pub(crate) fn out_of_memory_answer(&self) -> Answer {
@@ -433,7 +438,7 @@ impl Decoder {
         };
         Ok(CallResult {
             output,
-            stderr: escape_controls(&result.stderr),
+            stderr: escape_controls(String::from_utf8_lossy(&result.stderr).trim_end()),
             exit,
             stdout: Vec::new(),
         })
@@ -467,17 +472,4 @@ pub(crate) fn describe_exit(status: ExitStatus) -> String {
     let signal = status.signal().map(ProcessEnd::Signal);
     let end = signal.unwrap_or(ProcessEnd::Status(status.code().unwrap_or(-1)));
     end.to_string()
-}
-
-/// Returns text that is safe to print on a terminal. Escapes control characters other than line feeds and tabs.
-pub(crate) fn escape_controls(bytes: &[u8]) -> String {
-    let text = String::from_utf8_lossy(bytes);
-    let shown = |c: char| {
-        if c.is_control() && c != '\n' && c != '\t' {
-            c.escape_default().to_string()
-        } else {
-            c.to_string()
-        }
-    };
-    text.trim_end().chars().map(shown).collect()
 }

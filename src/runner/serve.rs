@@ -19,12 +19,12 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
+use crate::kit::escape_controls;
 use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::processes;
 use crate::runner::run::{
     CallFailure, Decoder, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE, describe_exit,
-    escape_controls,
 };
 use crate::runner::scratch::{Scratch, Workspace, is_unchanged};
 use crate::runner::trouble::Trouble;
@@ -199,7 +199,7 @@ impl<'a> Server<'a> {
             return Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()).into());
         }
         self.expect_silence("the answer is followed by", "")?;
-        let stderr = escape_controls(&self.call.errors);
+        let stderr = escape_controls(String::from_utf8_lossy(&self.call.errors).trim_end());
         Ok(Reply {
             stderr: self.workspace.strip_directories(&stderr),
             ..answer.into()
@@ -207,11 +207,11 @@ impl<'a> Server<'a> {
     }
 
     /// Returns an error if the process wrote anything that is not an answer.
-    fn expect_silence(&self, last_request: &str, after: &str) -> Result<(), Answer> {
+    fn expect_silence(&self, before: &str, after: &str) -> Result<(), Answer> {
         if self.call.output.is_empty() {
             Ok(())
         } else {
-            let says = format!("{last_request} {} {after}", quote_start(&self.call.output));
+            let says = format!("{before} {} {after}", quote_start(&self.call.output));
             Err(Answer::ProtocolError(says.trim_end().to_owned()))
         }
     }
@@ -285,7 +285,7 @@ impl<'a> Server<'a> {
 
     /// Consumes the answer from the output if it is complete.
     fn take_answer(&mut self, limit: usize, decoder: &Decoder) -> Result<Option<Answer>, Answer> {
-        let read = read_answer(&self.call.output, self.sequence, limit, decoder.reject_exit);
+        let read = parse_answer(&self.call.output, self.sequence, limit, decoder.reject_exit);
         let taken = read.map_err(Answer::ProtocolError)?;
         Ok(taken.map(|(answer, length)| {
             self.call.output.drain(..length);
@@ -359,7 +359,7 @@ impl Drop for Server<'_> {
 
 /// Parses the answer to request `sequence` at the start of `bytes`. Returns the answer and its length, or `None` while it is
 /// incomplete. An error describes a malformed answer.
-fn read_answer(
+fn parse_answer(
     bytes: &[u8],
     sequence: u64,
     max_bytes: usize,
@@ -461,10 +461,10 @@ mod tests {
     fn incomplete_answers_are_awaited() {
         let whole = [&b"7 ok 19\n"[..], FRAME, b"8 ok"].concat();
         for length in 0..8 + FRAME.len() {
-            let part = read_answer(&whole[..length], 7, 1000, None);
+            let part = parse_answer(&whole[..length], 7, 1000, None);
             assert_eq!(part, Ok(None), "{length}");
         }
-        let taken = read_answer(&whole, 7, 1000, None).expect("a complete answer");
+        let taken = parse_answer(&whole, 7, 1000, None).expect("a complete answer");
         assert!(matches!(taken, Some((Answer::Decoded(_), 27))), "{taken:?}");
     }
 
@@ -476,14 +476,14 @@ mod tests {
             ("7 unsupported a b\n", None, Answer::Unsupported),
             ("7 unsupported\n", None, Answer::Unsupported),
         ] {
-            let read = read_answer(line.as_bytes(), 7, 1000, reject_exit);
+            let read = parse_answer(line.as_bytes(), 7, 1000, reject_exit);
             assert_eq!(read, Ok(Some((answer, line.len()))), "{line}");
         }
     }
 
     #[test]
     fn unterminated_line_is_not_an_answer() {
-        let error = read_answer(&[b'x'; 2000], 7, 1000, None).expect_err("not an answer");
+        let error = parse_answer(&[b'x'; 2000], 7, 1000, None).expect_err("not an answer");
         assert!(error.contains("not terminated by a line feed"), "{error}");
     }
 }

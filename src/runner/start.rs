@@ -54,17 +54,13 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
         let mut directories = path.iter().flat_map(std::env::split_paths);
         directories.find_map(|directory| Some(directory.join(word)).filter(|file| file.is_file()))
     }) else {
-        let (says, next) = if here.is_file() {
-            (
-                format!(
-                    "{text} is in this directory, but a name without a / is looked up only in PATH"
-                ),
-                format!("write ./{text}"),
-            )
-        } else {
-            missing_command(text, "no program with this name is in PATH")
-        };
-        return Err((says, next));
+        if here.is_file() {
+            let says = format!(
+                "{text} is in this directory, but a name without a / is looked up only in PATH"
+            );
+            return obstacle(says, format!("write ./{text}"));
+        }
+        return Err(missing_command(text));
     };
     let Ok(about) = fs::metadata(&program) else {
         return obstacle(
@@ -99,7 +95,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
 }
 
 /// Returns the message and the remedy for a command that was not found. The command may be several words passed as one.
-fn missing_command(text: &str, message: &str) -> Obstacle {
+fn missing_command(text: &str) -> Obstacle {
     let next = if text.contains(' ') {
         format!(
             "the command consists of several words; write them without quotation marks: -- {text}"
@@ -107,7 +103,7 @@ fn missing_command(text: &str, message: &str) -> Obstacle {
     } else {
         "give the path of the decoder after --, for example -- ./my-decoder".to_owned()
     };
-    (message.to_owned(), next)
+    ("no program with this name is in PATH".to_owned(), next)
 }
 
 /// Returns the first bytes of a file, or nothing if the file cannot be read. An unreadable file may still be executable.

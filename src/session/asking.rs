@@ -117,7 +117,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             name: case.id(),
             view,
             file: C::file(&built),
-            max_frame_bytes: case.max_answer_bytes(&built),
+            max_frame_bytes: case.max_output_bytes(&built),
             timeout_factor: timeout_factor.unwrap_or(1),
             needs_new_process: timeout_factor.is_none(),
         };
@@ -133,7 +133,7 @@ impl<'a, C: TestCase> Session<'a, C> {
                 });
                 let result = case.compare(&built, view, &output);
                 let differs =
-                    result.right != RightDialects::InAll(true) && result.difference.is_some();
+                    result.right != RightDialects::Regardless(true) && result.difference.is_some();
                 Response::Image {
                     right: result.right,
                     difference: result.difference,

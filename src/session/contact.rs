@@ -280,7 +280,7 @@ impl<C: TestCase> Session<'_, C> {
         asked.find_map(|(_, case)| {
             let (spelling, view) = (case.spelling()?, offer.chosen_view(case)?);
             let (observation, _) = self.observe(case, view, TableSpelling::default(), 0);
-            let right = RightDialects::InAll(true);
+            let right = RightDialects::Regardless(true);
             matches!(observation.response, Response::Image { right: shown, .. } if shown == right)
                 .then_some(spelling)
         })

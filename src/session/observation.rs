@@ -28,7 +28,7 @@ impl<C: TestCase> Observation<C> {
     pub fn is_certain_failure(&self, case: &C) -> bool {
         match (&self.response, case.expect()) {
             (Response::Image { right, .. }, Expect::Decode) => {
-                *right == RightDialects::InAll(false)
+                *right == RightDialects::Regardless(false)
             }
             (Response::Violation(_), _)
             | (Response::Rejected, Expect::Decode)

@@ -20,7 +20,7 @@ use crate::suite::test_case::TestCase;
 #[derive(Clone, Debug)]
 pub struct Run<C: TestCase = Case> {
     /// Observations, one slot per case of the suite.
-    pub observations: Vec<Option<Observation<C>>>,
+    pub observations: Observations<C>,
     /// The verdicts.
     pub judgment: Judgment<C>,
     /// The decoder's replies to the first files.
@@ -176,7 +176,7 @@ impl<C: TestCase> Session<'_, C> {
     pub fn verdicts(
         self,
         contact: Contact<C>,
-        mut observations: Vec<Option<Observation<C>>>,
+        mut observations: Observations<C>,
         progress: &CountCallback,
     ) -> Run<C> {
         let (suite, table) = (self.suite, contact.table);
@@ -208,7 +208,7 @@ impl<C: TestCase> Session<'_, C> {
     fn run(
         &self,
         contact: Contact<C>,
-        observations: Vec<Option<Observation<C>>>,
+        observations: Observations<C>,
         judgment: Judgment<C>,
     ) -> Run<C> {
         Run {

@@ -104,7 +104,7 @@ pub(super) fn image_pair(context: PageContext, misreading: &Misreading) -> Marku
     let right = decode(file);
     let right_frame = |view: &View| {
         let ptm = right.as_ref().ok()?;
-        Some(Frame::render_under(ptm, view, &Reading::SPEC))
+        Some(Frame::render(ptm, view))
     };
     let light: View = match &witness.view {
         View::Rgb(_) => witness.view.clone(),

@@ -13,56 +13,56 @@ use crate::ptm::Format;
 use crate::reading::Reading;
 use crate::suite::cases::{Built, Case, DialectImages};
 use crate::suite::compare::Expected;
-use crate::suite::dialect::{Alternatives, Axis, Choice, Choices};
+use crate::suite::dialect::{Axis, Choice, Choices, Readings};
 
-const LUM_VECTOR: Alternatives<Reading> = &[
+const LUM_VECTOR: Readings<Reading> = &[
     ("the matrix multiplies (Y, Cr, Cb, 1)", |_| {}),
     ("the matrix multiplies (Cr, Y, Cb, 1)", |r| r.set(CrFirst)),
 ];
-const LUM_MAJOR: Alternatives<Reading> = &[
+const LUM_MAJOR: Readings<Reading> = &[
     ("columns first", |_| {}),
     ("rows first", |r| r.set(RowsFirst)),
 ];
-const LUM_RANGE: Alternatives<Reading> = &[
+const LUM_RANGE: Readings<Reading> = &[
     ("values and translation from 0 to 255", |_| {}),
     ("values and translation from 0 to 1", |r| r.set(UnitRange)),
 ];
-const MOTION_INVERSION: Alternatives<Reading> = &[
+const MOTION_INVERSION: Readings<Reading> = &[
     ("the reference is inverted, then displaced", |_| {}),
     ("the reference is displaced, then inverted", |r| {
         r.set(InversionAfterMotion);
     }),
 ];
-const MOTION_SIGN: Alternatives<Reading> = &[
+const MOTION_SIGN: Readings<Reading> = &[
     ("vectors point from a texel to its predictor", |_| {}),
     ("vectors point from the predictor to its texel", |r| {
         r.set(MotionReversed);
     }),
 ];
-const MOTION_VERTICAL: Alternatives<Reading> = &[
+const MOTION_VERTICAL: Readings<Reading> = &[
     ("y increases in the order of the stored rows", |_| {}),
     ("y decreases in the order of the stored rows", |r| {
         r.set(MotionAgainstRows);
     }),
 ];
-const MOTION_HALF: Alternatives<Reading> = &[
+const MOTION_HALF: Readings<Reading> = &[
     ("means that end in one half are rounded up", |_| {}),
     ("means are rounded down", |r| r.set(HalvesRoundedDown)),
 ];
-const MOTION_BORDER: Alternatives<Reading> = &[
+const MOTION_BORDER: Readings<Reading> = &[
     ("samples outside a plane repeat its edge", |_| {}),
     ("samples outside a plane come from its opposite side", |r| {
         r.set(BorderWrapped);
     }),
     ("samples outside a plane are 128", |r| r.set(BorderGray)),
 ];
-const JPEG_LS_OFFSET: Alternatives<Reading> = &[
+const JPEG_LS_OFFSET: Readings<Reading> = &[
     ("JPEG-LS residuals are 128 more than the difference", |_| {}),
     ("JPEG-LS residuals are the difference modulo 256", |r| {
         r.set(NoJpegLsOffset);
     }),
 ];
-const SIDE_LOSSLESS: Alternatives<Reading> = &[
+const SIDE_LOSSLESS: Readings<Reading> = &[
     ("records of lossless files are applied", |_| {}),
     ("records of lossless files are skipped", |r| {
         r.set(SideInformationOnlyIfLossy);

@@ -12,14 +12,14 @@ pub struct Choice<R: 'static> {
     /// The ruling.
     pub ruling: &'static str,
     /// The readings that the ruling allows.
-    pub readings: Alternatives<R>,
+    pub readings: Readings<R>,
 }
 
 /// Readings of a choice, the reference's first, each with a description and a function that changes the decisions.
-pub(crate) type Alternatives<R> = &'static [(&'static str, fn(&mut R))];
+pub(crate) type Readings<R> = &'static [(&'static str, fn(&mut R))];
 
 impl<R> Choice<R> {
-    pub(super) const fn new(ruling: &'static str, readings: Alternatives<R>) -> Choice<R> {
+    pub(super) const fn new(ruling: &'static str, readings: Readings<R>) -> Choice<R> {
         Choice { ruling, readings }
     }
 }
@@ -35,7 +35,7 @@ pub struct Dialect(pub Vec<usize>);
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum RightDialects {
     /// In all dialects if true, or in none if false, because no choice affects the case.
-    InAll(bool),
+    Regardless(bool),
     /// In some dialects, depending on how they resolve the choices that affect the case.
     In {
         /// The choices.
@@ -102,7 +102,7 @@ impl<R> Choices<R> {
     #[must_use]
     pub fn is_right(&self, right: &RightDialects, dialect: &Dialect) -> bool {
         match right {
-            RightDialects::InAll(right) => *right,
+            RightDialects::Regardless(right) => *right,
             RightDialects::In { axes, combinations } => {
                 combinations[self.combination_index(dialect, axes)]
             }

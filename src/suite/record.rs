@@ -100,19 +100,24 @@ impl CaseRecord {
         Ok(Source::Recipe(recipe, Some(damage)))
     }
 
-    fn views(&self, vars: &Words, src: &Source, twin: Option<&Case>) -> Result<Vec<View>, String> {
-        let views = match (&self.views, src, &self.values, twin) {
+    fn views(
+        &self,
+        words: &Words,
+        source: &Source,
+        twin: Option<&Case>,
+    ) -> Result<Vec<View>, String> {
+        let views = match (&self.views, source, &self.values, twin) {
             (Some(views), ..) => {
-                (views.iter().map(|view| vars.fill(view).parse())).collect::<Result<_, _>>()?
+                (views.iter().map(|view| words.fill(view).parse())).collect::<Result<_, _>>()?
             }
             (None, Source::Hand(..), Some(values), _) => values.views()?,
             (None, _, _, Some(twin)) => twin.views.clone(),
             _ => vec![View::Raw, View::Coef, View::DEFAULT_RGB.parse()?],
         };
-        if let Source::Recipe(recipe, _) = src {
+        if let Source::Recipe(recipe, _) = source {
             check_views(recipe, &views)?;
         }
-        if let (Source::Hand(..), Some(values)) = (src, &self.values) {
+        if let (Source::Hand(..), Some(values)) = (source, &self.values) {
             let known = values.views()?;
             if let Some(unknown) = views.iter().find(|view| !known.contains(view)) {
                 return Err(format!("the case has no values for the view {unknown}"));

@@ -90,7 +90,7 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     /// Returns the file that is sent.
     fn file(built: &Self::Built) -> &[u8];
     /// Returns the maximum size of a correct answer, in bytes.
-    fn max_answer_bytes(&self, built: &Self::Built) -> usize;
+    fn max_output_bytes(&self, built: &Self::Built) -> usize;
 
     /// Compares an output with the expected one.
     fn compare(

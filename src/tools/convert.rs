@@ -20,7 +20,7 @@ use crate::tools::{describe_position, join_texts};
 pub struct Target {
     /// Target format.
     pub format: Format,
-    /// JPEG quality from 1 to 100; required for JPEG formats.
+    /// JPEG quality from 20 to 100; required for JPEG formats.
     pub quality: Option<u8>,
     /// Maximum error of JPEG-LS, from 0 to 127.
     pub loss: u8,

@@ -320,7 +320,7 @@ fn block_name(format: Option<Format>, block: usize) -> &'static str {
     }
 }
 
-/// Name of the field that contains the size of a stream.
+/// Names of the fields that contain the sizes of streams and of side information.
 const STREAM_SIZE: &str = "compressed size of plane #";
 const SIDE_SIZE: &str = "side information size of plane #";
 

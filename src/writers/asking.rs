@@ -29,7 +29,7 @@ pub fn request_file<V: RequestValues>(
         request: &built.json,
         attachments: &V::attachments(&built),
         values: &values,
-        max_bytes: case.max_answer_bytes(&built),
+        max_bytes: case.max_output_bytes(&built),
         timeout_factor,
     };
     let result = writer.write(&call, scratch);

@@ -120,14 +120,9 @@ fn bit_width(values: i32) -> u32 {
 
 /// Returns the default thresholds: 3, 7, 21 for lossless 8-bit coding, and scaled values for other MAXVAL and NEAR (C.2.4.1.1.1).
 ///
-/// A threshold larger than MAXVAL, or smaller than the previous one, is replaced by the previous one.
-pub(crate) fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {
-    limit_thresholds(unlimited_thresholds(maxval, near), maxval, near)
-}
-
-/// Returns the default thresholds before they are limited.
-pub(crate) fn unlimited_thresholds(maxval: i32, near: i32) -> [i32; 3] {
-    if maxval >= 128 {
+/// A threshold above MAXVAL or below the previous one (NEAR + 1 for the first) is replaced by the previous one.
+fn default_thresholds(maxval: i32, near: i32) -> [i32; 3] {
+    let thresholds = if maxval >= 128 {
         // MAXVAL is at most 255 here, so the factor of the standard is always 1.
         [3 + 3 * near, 7 + 5 * near, 21 + 7 * near]
     } else {
@@ -137,11 +132,7 @@ pub(crate) fn unlimited_thresholds(maxval: i32, near: i32) -> [i32; 3] {
             (7 / divisor + 5 * near).max(3),
             (21 / divisor + 7 * near).max(4),
         ]
-    }
-}
-
-/// Replaces a threshold above MAXVAL or below the previous one (NEAR + 1 for the first) with the previous one.
-pub(crate) fn limit_thresholds(thresholds: [i32; 3], maxval: i32, near: i32) -> [i32; 3] {
+    };
     let mut min = near + 1;
     thresholds.map(|threshold| {
         if (min..=maxval).contains(&threshold) {

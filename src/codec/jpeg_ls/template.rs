@@ -19,7 +19,7 @@
 //! - For the first sample of a line, c is the value of a at the start of the previous line. In the example it is 0
 //!   for the sample 40, and *not* 10.
 
-/// The previous and the current line. Each has an extra sample at each end, so column x is at index x + 1.
+/// The previous and the current line. Each has one extra sample on the left and two on the right, so column x is at index x + 1.
 pub(super) struct Lines {
     above: Vec<u8>,
     line: Vec<u8>,

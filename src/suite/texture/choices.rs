@@ -2,25 +2,25 @@
 //!
 //! Each choice is a ruling of kind `choice`; see [`Choices`].
 
-use crate::suite::dialect::{Alternatives, Choice, Choices};
+use crate::suite::dialect::{Choice, Choices, Readings};
 use crate::texture::map::texel_color;
 use crate::texture::parameterize::{
     azimuth_proportional_to_x, full_turn_fraction, half_turn_fraction, height_by_y, height_from_top,
 };
 use crate::texture::{Rules, Shade, sample};
 
-const TEXEL_GRID: Alternatives<Rules> = &[
+const TEXEL_GRID: Readings<Rules> = &[
     ("cells", |_| {}),
     ("points", |r| {
         r.closest = sample::point_index;
         r.neighbors = sample::points_around;
     }),
 ];
-const GAMMA: Alternatives<Rules> = &[
+const GAMMA: Readings<Rules> = &[
     ("scalar", |_| {}),
     ("vector", |r| r.gamma = |_, texel| texel_color(texel)),
 ];
-const CLAMP_COLOR: Alternatives<Rules> = &[
+const CLAMP_COLOR: Readings<Rules> = &[
     ("texel", |_| {}),
     ("result", |r| {
         r.clamp_color = |_, color, input, _, rules| Shade {
@@ -29,7 +29,7 @@ const CLAMP_COLOR: Alternatives<Rules> = &[
         };
     }),
 ];
-const VRC_AZIMUTH: Alternatives<Rules> = &[
+const VRC_AZIMUTH: Readings<Rules> = &[
     ("rightward", |_| {}),
     ("leftward", |r| {
         r.vrc_azimuth = |s| (1.0 - half_turn_fraction(s)).fract();
@@ -39,23 +39,23 @@ const VRC_AZIMUTH: Alternatives<Rules> = &[
         r.vrc_azimuth = |[x, y, z]| half_turn_fraction([x, y, z.abs()]);
     }),
 ];
-const VRC_HEIGHT: Alternatives<Rules> = &[
+const VRC_HEIGHT: Readings<Rules> = &[
     ("angle", |_| {}),
     ("linear", |r| r.vrc_height = height_by_y),
     ("downward", |r| r.vrc_height = height_from_top),
 ];
-const WC_AZIMUTH: Alternatives<Rules> = &[
+const WC_AZIMUTH: Readings<Rules> = &[
     ("counter-clockwise", |_| {}),
     ("clockwise", |r| {
         r.wc_azimuth = |s| (1.0 - full_turn_fraction(s)).fract();
     }),
 ];
-const WC_HEIGHT: Alternatives<Rules> = &[
+const WC_HEIGHT: Readings<Rules> = &[
     ("angle", |_| {}),
     ("linear", |r| r.wc_height = height_by_y),
     ("downward", |r| r.wc_height = height_from_top),
 ];
-const PTM_TEXELS: Alternatives<Rules> = &[
+const PTM_TEXELS: Readings<Rules> = &[
     ("rounded", |_| {}),
     ("kept", |r| r.to_eight_bits = |value| value),
 ];
