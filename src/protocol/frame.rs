@@ -236,6 +236,25 @@ pub enum Samples {
 }
 
 impl Samples {
+    /// Parses bytes or little-endian floats. `shape` is the width, the height and the number of channels.
+    ///
+    /// # Errors
+    /// Returns the number of bytes that the shape needs if `bytes` has another length.
+    pub(crate) fn parse(is_float: bool, shape: [u32; 3], bytes: &[u8]) -> Result<Samples, u64> {
+        let size = if is_float { 4 } else { 1 };
+        let needed = (shape.into_iter()).fold(size, |bytes: u64, n| bytes.saturating_mul(n.into()));
+        if needed != bytes.len() as u64 {
+            return Err(needed);
+        }
+        if !is_float {
+            return Ok(Samples::U8(bytes.to_vec()));
+        }
+        let values = bytes.as_chunks::<4>().0.iter();
+        Ok(Samples::F32(
+            values.copied().map(f32::from_le_bytes).collect(),
+        ))
+    }
+
     /// Returns the number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -409,14 +428,8 @@ impl Frame {
         let mut frame = Frame::parse_line(line)?;
         let samples = &bytes[end + 1..];
         let shape = [frame.width, frame.height, frame.channels];
-        let size = match frame.samples {
-            Samples::U8(_) => 1,
-            Samples::F32(_) => 4,
-        };
-        let needed = shape
-            .into_iter()
-            .fold(size, |product: u64, n| product.saturating_mul(n.into()));
-        if needed != samples.len() as u64 {
+        let is_float = matches!(frame.samples, Samples::F32(_));
+        frame.samples = Samples::parse(is_float, shape, samples).map_err(|needed| {
             let is_cut = (samples.len() as u64) < needed && bytes.len().is_multiple_of(65_536);
             let needed = byte_count(needed);
             let hint = match is_cut {
@@ -425,18 +438,11 @@ impl Frame {
                 }
                 false => "",
             };
-            return Err(format!(
+            format!(
                 "{line:?} announces {needed} of samples, but {} follow{hint}",
                 samples.len()
-            ));
-        }
-        frame.samples = match frame.samples {
-            Samples::U8(_) => Samples::U8(samples.to_vec()),
-            Samples::F32(_) => {
-                let values = samples.as_chunks::<4>().0;
-                Samples::F32(values.iter().copied().map(f32::from_le_bytes).collect())
-            }
-        };
+            )
+        })?;
         Ok(frame)
     }
 

@@ -15,9 +15,9 @@ pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
     if fortran_order {
         return Err("the samples are in Fortran order; save numpy.ascontiguousarray(a)".to_owned());
     }
-    let size = match descr.as_str() {
-        "|u1" | "<u1" | "u1" | "|B" => 1,
-        "<f4" => 4,
+    let is_float = match descr.as_str() {
+        "|u1" | "<u1" | "u1" | "|B" => false,
+        "<f4" => true,
         ">f4" => {
             return Err(
                 "the samples are f32 with the high byte first; save a.astype('<f4')".to_owned(),
@@ -36,23 +36,15 @@ pub(crate) fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
             shape.len()
         ));
     };
-    let needed = [height, width, channels]
-        .into_iter()
-        .fold(size, |product: u64, n| product.saturating_mul(n.into()));
-    if needed != data.len() as u64 {
-        return Err(format!(
+    let shape = [width, height, channels];
+    let samples = Samples::parse(is_float, shape, data).map_err(|needed| {
+        format!(
             "shape ({height}, {width}, {channels}) of {descr} needs {}, {} follow",
             byte_count(needed),
             data.len()
-        ));
-    }
-    let samples = if size == 1 {
-        Samples::U8(data.to_vec())
-    } else {
-        let values = data.as_chunks::<4>().0;
-        Samples::F32(values.iter().copied().map(f32::from_le_bytes).collect())
-    };
-    Ok(Frame::exact(view, [width, height, channels], samples))
+        )
+    })?;
+    Ok(Frame::exact(view, shape, samples))
 }
 
 fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {

@@ -33,7 +33,7 @@ pub(super) fn diagnose(findings: &mut Findings, streams: Option<&Streams>) {
             change(&mut reading);
             if let Some(difference) = difference(dissection, ptm, streams, &reading) {
                 let found = format!("under the reading “{words}”, {difference}");
-                findings.add(code.problem, role, found);
+                findings.add_code(code, dissection.start(role), found);
                 break;
             }
         }

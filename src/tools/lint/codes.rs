@@ -82,16 +82,6 @@ pub enum Problem {
     RecordTwice,
     ChoiceLutCount,
     ChoiceLutNewline,
-    ChoiceLumVector,
-    ChoiceLumMajor,
-    ChoiceLumRange,
-    ChoiceJpegLsOffset,
-    ChoiceMotionSign,
-    ChoiceMotionVertical,
-    ChoiceMotionHalf,
-    ChoiceMotionBorder,
-    ChoiceMotionInversion,
-    ChoiceSideLossless,
     StreamExtras,
     StreamTrailing,
     StreamMaxval,
@@ -110,7 +100,7 @@ impl Problem {
     /// Panics only if a problem has no code, which would be a bug.
     #[must_use]
     pub fn code(self) -> &'static Code {
-        let code = ALL.iter().find(|code| code.problem == self);
+        let code = ALL.iter().find(|code| code.problem == Some(self));
         code.expect("every problem has a code")
     }
 }
@@ -122,9 +112,9 @@ pub struct Code {
     /// Permanent identifier, for example `PTM-E001`.
     #[serde(rename = "code", deserialize_with = "deserialize_static")]
     pub id: Text,
-    /// Problem that the code identifies.
+    /// Problem that the code identifies, unless `ruling` identifies it.
     #[serde(skip_serializing)]
-    pub problem: Problem,
+    pub problem: Option<Problem>,
     /// Default severity.
     pub severity: Severity,
     /// Clause that the problem is about.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::codes::{Problem, Severity};
+use super::codes::{Code, Problem, Severity};
 use crate::tools::dissection::{Dissection, Role};
 
 /// Finding about a file, in the form that is written to YAML and JSON.
@@ -55,14 +55,17 @@ impl<'a> Findings<'a> {
 
     /// Adds a problem at a byte offset.
     pub fn add_at(&mut self, problem: Problem, offset: usize, found: impl Into<String>) {
-        let code = problem.code();
+        self.add_code(problem.code(), offset, found.into());
+    }
+
+    pub fn add_code(&mut self, code: &'static Code, offset: usize, found: String) {
         self.list.push(Diagnostic {
             code: code.id,
             severity: code.severity,
             offset,
             clause: code.clause,
             message: code.message,
-            found: found.into(),
+            found,
             fix: code.fix,
         });
     }
