@@ -155,9 +155,9 @@ impl Diagnosis {
         self
     }
 
-    /// Replaces the clause that was inferred from the cases.
-    pub(super) fn with_clause(mut self, new: &str) -> Diagnosis {
-        if let Cause::Described { clause, .. } = &mut self.cause {
+    /// Replaces the clause that was inferred from the cases, unless `new` is `None`.
+    pub(super) fn with_clause<'a>(mut self, new: impl Into<Option<&'a str>>) -> Diagnosis {
+        if let (Cause::Described { clause, .. }, Some(new)) = (&mut self.cause, new.into()) {
             new.clone_into(clause);
         }
         self

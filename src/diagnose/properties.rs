@@ -178,7 +178,7 @@ fn spelling_properties(f: &File) -> [Property; 15] {
     ]
 }
 
-fn data_properties(f: &File) -> [Property; 12] {
+fn data_properties(f: &File) -> [Property; 15] {
     let [scales, biases, _] = &f.numbers;
     let value = |text: &str| text.parse().unwrap_or(0.0);
     let is_negative = |texts: &[&str]| texts.iter().any(|text| value(text) < 0.0);
@@ -187,6 +187,7 @@ fn data_properties(f: &File) -> [Property; 12] {
     let has_outer_point =
         any(|text| text.trim_start_matches(['+', '-']).starts_with('.') || text.ends_with('.'));
     let is_scientific = any(|text| text.contains(['e', 'E']));
+    let has_negative_exponent = any(|text| text.contains("e-") || text.contains("E-"));
     let has_plus = any(|text| text.starts_with('+'));
     let is_space = matches!(f.data, [9..=13 | b' ', ..]);
     let is_line_feed = f.data.starts_with(b"\n");
@@ -198,6 +199,10 @@ fn data_properties(f: &File) -> [Property; 12] {
         ("2.4/4 with a minus sign in a bias", has_minus(biases)),
         ("2.4/3 with a minus sign in a scale", has_minus(scales)),
         ("2.4/3 with a number in scientific notation", is_scientific),
+        (
+            "2.4/3 with a negative exponent in a number",
+            has_negative_exponent,
+        ),
         ("2.4/3 with a number that starts with a plus sign", has_plus),
         (
             "2.4/3 with a number that starts or ends with its decimal point",
@@ -213,6 +218,8 @@ fn data_properties(f: &File) -> [Property; 12] {
         ),
         ("2.3/1 of odd width", width % 2 == 1),
         ("2.3/1 of odd height", height % 2 == 1),
+        ("2.3/1 of even width", width > 0 && width % 2 == 0),
+        ("2.3/1 of even height", height > 0 && height % 2 == 0),
         (
             "2.7/2 with several rows and a width that is not a multiple of 4",
             is_ragged,

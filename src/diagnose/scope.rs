@@ -163,14 +163,12 @@ pub(super) fn shared_scope(
     with_view: bool,
 ) -> Option<SharedScope> {
     let is_pure = |scope: &FileScope| !others.iter().any(|&w| scope.contains(&witnesses[w]));
-    let formats = Format::ALL.map(|format| FileScope::Formats(vec![format]));
     let own_formats = FileScope::Formats(own_formats(witnesses, group, others));
     let properties = &witnesses.first()?.facts().properties;
     let range = if with_view { 0 } else { VIEW_PROPERTIES }..properties.len();
     let property = |index: usize| FileScope::Property(index, properties[index].0);
-    let scopes = (formats.into_iter())
+    let scopes = (std::iter::once(own_formats))
         .chain(range.map(property))
-        .chain([own_formats])
         .chain(thresholds(witnesses, group, others));
     let shared = scopes.map(|scope| {
         let is_inside = |w: &usize| scope.contains(&witnesses[*w]);

@@ -531,10 +531,7 @@ impl<'a> Search<'a> {
 
     fn score_of_answer(&self, w: usize, answer: &Answer) -> i64 {
         let witness = &self.witnesses[w];
-        let is_lenient = matches!(
-            witness.case.expect,
-            Expect::Lenient | Expect::Robust | Expect::Spelling
-        );
+        let is_lenient = witness.case.expect.is_optional();
         if witness.failed {
             match witness.evidence(answer) {
                 Agreement::None => partial_credit(witness, answer),

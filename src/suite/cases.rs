@@ -34,6 +34,11 @@ pub enum Expect {
 }
 
 impl Expect {
+    /// Returns true if both the correct image and a refusal are right.
+    pub(crate) fn is_optional(self) -> bool {
+        matches!(self, Expect::Lenient | Expect::Robust | Expect::Spelling)
+    }
+
     /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {

@@ -5,8 +5,7 @@ use std::ops::Range;
 
 use crate::decode::{fields, texels::block_containing};
 use crate::parts::Block;
-use crate::ptm::{Field, Size, channel_name};
-use crate::suite::cases::Case;
+use crate::ptm::{Field, Format, Size, channel_name};
 
 /// A description of bytes, the clause that defines them, and their position in the file.
 pub(crate) type Origin = (String, &'static str, Range<usize>);
@@ -15,7 +14,7 @@ pub(crate) type Origin = (String, &'static str, Range<usize>);
 ///
 /// Returns an empty list if the file ends before these bytes.
 pub(crate) fn origin_of_samples(
-    case: &Case,
+    format: Format,
     file: &[u8],
     size: Size,
     (x, y): (usize, usize),
@@ -31,11 +30,10 @@ pub(crate) fn origin_of_samples(
         texel,
         texels: width * height,
     };
-    let format = case.format();
     let found = match (block_containing(format, channels.start), format.coding()) {
         (Some((index, block)), _) => map.block(index, block, channels),
         (None, None) => map.entry(format.entry_size(), channels),
-        (None, Some(_)) => map.plane(case, channels.start),
+        (None, Some(_)) => map.plane(format, channels.start),
     };
     found.unwrap_or_default()
 }
@@ -99,13 +97,13 @@ impl Map<'_> {
     }
 
     /// Returns the bytes of the stream of a plane, and of the record that corrects this texel.
-    fn plane(&self, case: &Case, channel: usize) -> Option<Vec<Origin>> {
+    fn plane(&self, format: Format, channel: usize) -> Option<Vec<Origin>> {
         let stream = self.range("a compressed plane", channel)?;
         let mut text = format!("the stream of plane {channel}");
-        let plan = case.compression();
-        let reference = plan.and_then(|plan| plan.references.get(channel).copied());
-        if let Some(Ok(reference)) = reference.map(usize::try_from) {
-            let name = channel_name(case.format().channels(), reference);
+        let reference = self.file.get(self.range("a reference plane", channel)?)?;
+        // A negative number means that the plane is not predicted.
+        if let Ok(reference) = str::from_utf8(reference).unwrap_or_default().parse() {
+            let name = channel_name(format.channels(), reference);
             let _ = write!(text, ", predicted from plane {reference} ({name})");
         }
         let mut origins = vec![(text, "2.9.8/2", stream)];
@@ -150,7 +148,7 @@ mod tests {
                 for channel in 0..channels {
                     let only = channel..channel + 1;
                     let mut origins =
-                        origin_of_samples(case, &built.file, model.size, (x, y), only);
+                        origin_of_samples(case.format(), &built.file, model.size, (x, y), only);
                     let (_, _, range) = origins.pop().expect("an origin");
                     let sample = model.samples[(y * w + x) * channels + channel];
                     assert_eq!(built.file[range], [sample], "{} {channel}", case.id);

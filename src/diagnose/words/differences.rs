@@ -10,7 +10,7 @@ use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::scope::{FileScope, SharedScope, files_of, format_sets, shared_scope};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most, is_substantial};
-use crate::diagnose::{pair::ImagePair, witness::Witness};
+use crate::diagnose::{mistake::ChannelSubset, pair::ImagePair, witness::Witness};
 use crate::protocol::frame::{Answer, Frame, ViewKind};
 use crate::ptm::{Coding, Format, ScaleBias, channel_name};
 use crate::session::observation::Response;
@@ -31,6 +31,7 @@ enum Phase {
     Stream,
     Prediction,
     Correction,
+    CorrectedPlane,
     StoredValue,
     FinalValue,
     Color,
@@ -81,6 +82,10 @@ impl Phase {
                 "shows wrong values only at texels that side information corrects, and in planes predicted from them",
                 "read the record in the example by hand, and check the bytes, the position and the value",
             ],
+            Phase::CorrectedPlane => [
+                "shows wrong values only in planes with side information, and in planes predicted from them",
+                "list the records of a plane in the example, and check the bytes, the position and the value of each",
+            ],
             Phase::StoredValue => [
                 "shows wrong stored values",
                 "compare the bytes that the example names with the values that the decoder reads there",
@@ -101,7 +106,7 @@ impl Phase {
         let is_identity = |pair: &ScaleBias| pair.scale == [1.0; 6] && pair.bias == [0.0; 6];
         match self {
             Phase::Prediction => coded.is_some_and(|coded| coded.plan.predicts()),
-            Phase::Correction => coded
+            Phase::Correction | Phase::CorrectedPlane => coded
                 .is_some_and(|coded| coded.planes.iter().any(|plane| !plane.records.is_empty())),
             Phase::FinalValue => {
                 !matches!(witness.decoded(), Ok(ptm) if is_identity(&ptm.header.scale_bias))
@@ -127,7 +132,7 @@ impl Phase {
             }
             (Phase::Stream, _) => "2.9.8/3",
             (Phase::Prediction, _) => "2.9.5/4",
-            (Phase::Correction, _) => "2.9.8/8",
+            (Phase::Correction | Phase::CorrectedPlane, _) => "2.9.8/8",
             (Phase::FinalValue, _) => "2.4/8",
             (Phase::Color, Format::Lum) => "2.6/4",
             (Phase::Color, format) if format.channels() == 9 => "2.7.3/4",
@@ -139,10 +144,11 @@ impl Phase {
 
 /// Describes the wrong images in `left`, grouped by the step at which they first differ. `set` contains the mistakes found.
 pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagnosis> {
-    let steps = search.par_map(left, |&w| first_difference(search, set, w));
+    let steps = search.par_map(left, |&w| first_difference(search, set, w, true));
     let format = |w: usize| search.witnesses[w].case.format();
     let mut step_of: HashMap<usize, Phase> = left.iter().copied().zip(steps).collect();
-    drop_chance_permutations(search.witnesses, &mut step_of);
+    drop_chance_permutations(search, set, &mut step_of);
+    follow_raw_images(search.witnesses, &mut step_of);
     follow_streams(search.witnesses, &mut step_of);
     follow_earlier_steps(search, set, &mut step_of);
     let mut by_step: BTreeMap<Phase, Vec<usize>> = BTreeMap::new();
@@ -184,6 +190,26 @@ pub fn describe(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<Diagno
     diagnoses
 }
 
+/// Attributes wrong final values to scale and bias if all raw images of the format are correct.
+fn follow_raw_images(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
+    for format in Format::ALL {
+        let is_member = |witness: &Witness, view: ViewKind| {
+            witness.case.format() == format && witness.observation.view.kind() == view
+        };
+        let raw = || (witnesses.iter()).filter(|witness| is_member(witness, ViewKind::Raw));
+        let right = raw().filter(|witness| witness.is_image_of_legal_file() && !witness.failed);
+        if right.count() < MIN_SHARING_FILES || raw().any(|witness| witness.failed) {
+            continue;
+        }
+        for (&w, step) in steps.iter_mut() {
+            let is_stored = (Phase::Stream..=Phase::StoredValue).contains(step);
+            if is_stored && is_member(&witnesses[w], ViewKind::Coef) {
+                *step = Phase::FinalValue;
+            }
+        }
+    }
+}
+
 /// Attributes wrong samples to the streams if the streams may explain most images of a coding.
 fn follow_streams(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
     let format = |w: usize| witnesses[w].case.format();
@@ -192,7 +218,8 @@ fn follow_streams(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
         in_coding.retain(|&w| format(w).coding() == Some(coding));
         let count = |step| in_coding.iter().filter(|w| steps[*w] == step).count();
         let streams = count(Phase::Stream);
-        let [predictions, corrections] = [Phase::Prediction, Phase::Correction].map(count);
+        let [predictions, planes] = [Phase::Prediction, Phase::CorrectedPlane].map(count);
+        let corrections = planes + count(Phase::Correction);
         let others = streams + count(Phase::Rearranged) + count(Phase::StoredValue);
         let early = match is_substantial(streams, others + predictions + corrections) {
             true => Phase::Stream,
@@ -201,13 +228,15 @@ fn follow_streams(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
         for w in in_coding {
             let is_late = match steps[&w] {
                 // A few images may differ only at corrected texels by chance.
-                Phase::Correction => others + predictions > corrections,
+                Phase::Correction | Phase::CorrectedPlane => others > corrections,
                 // Wrong residuals explain wrong predicted planes if more files have wrong planes that are not predicted.
                 Phase::Prediction => others > predictions,
                 step => step == Phase::StoredValue,
             };
             if is_late {
                 steps.insert(w, early);
+            } else if steps[&w] == Phase::Correction && is_substantial(planes, corrections) {
+                steps.insert(w, Phase::CorrectedPlane);
             }
         }
     }
@@ -220,9 +249,10 @@ fn follow_streams(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
     }
 }
 
-/// Replaces [`Phase::Rearranged`] with the last step of the view unless it applies to most wrong images of a format. A few values,
-/// or similar ones, may be permuted by chance.
-fn drop_chance_permutations(witnesses: &[Witness], steps: &mut HashMap<usize, Phase>) {
+/// Replaces [`Phase::Rearranged`] with another step unless it applies to most wrong images of a format. A few values, or similar
+/// ones, may be permuted by chance.
+fn drop_chance_permutations(search: &Search, set: &MistakeSet, steps: &mut HashMap<usize, Phase>) {
+    let witnesses = search.witnesses;
     for format in Format::ALL {
         let mut in_format: Vec<usize> = steps.keys().copied().collect();
         in_format
@@ -230,7 +260,10 @@ fn drop_chance_permutations(witnesses: &[Witness], steps: &mut HashMap<usize, Ph
         let all = in_format.len();
         in_format.retain(|w| steps[w] == Phase::Rearranged);
         if !is_most(in_format.len(), all) {
-            let plain = |w: usize| (w, Phase::for_view(witnesses[w].observation.view.kind()));
+            let plain = |w: usize| match first_difference(search, set, w, false) {
+                Phase::Rearranged => (w, Phase::StoredValue),
+                step => (w, step),
+            };
             steps.extend(in_format.into_iter().map(plain));
         }
     }
@@ -381,11 +414,7 @@ fn difference_text(
         fix: fix.to_owned(),
         example: example(search, set, smallest_file(witnesses, indices)),
     };
-    let described = Diagnosis::from_description(Category::Difference, witnesses, indices, text);
-    match clause {
-        Some(clause) => described.with_clause(clause),
-        None => described,
-    }
+    Diagnosis::from_description(Category::Difference, witnesses, indices, text).with_clause(clause)
 }
 
 /// Returns text such as " (12 in view raw, 10 in view coef)" if the images belong to several views.
@@ -453,14 +482,15 @@ fn channel_text(wrong: &[bool]) -> String {
         .filter(|&channel| wrong[channel])
         .map(|channel| channel_name(wrong.len(), channel))
         .collect();
-    match (1..=MAX_LISTED).contains(&names.len()) && names.len() < wrong.len() {
-        true => format!(", only in {}", names.join(", ")),
-        false => String::new(),
+    match names.len() {
+        0 => String::new(),
+        1..=MAX_LISTED if names.len() < wrong.len() => format!(", only in {}", names.join(", ")),
+        _ => ChannelSubset::smallest_containing(wrong).describe(),
     }
 }
 
-/// Returns the step at which the values of an image first differ.
-fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
+/// Returns the step at which the values of an image first differ. It may be the order of values only if `with_order` is true.
+fn first_difference(search: &Search, set: &[MistakeId], w: usize, with_order: bool) -> Phase {
     let witness = &search.witnesses[w];
     let Some(received) = witness.wrong_image() else {
         return Phase::Choice;
@@ -477,7 +507,7 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
             false => Phase::Size,
         };
     };
-    if is_rearranged(&pair) {
+    if with_order && is_rearranged(&pair) {
         return Phase::Rearranged;
     }
     let plain = match has_wrong_stored_values(&pair, witness) {
@@ -488,7 +518,7 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize) -> Phase {
         return plain;
     }
     match first_difference_of_planes(&pair, witness) {
-        step @ (Phase::Prediction | Phase::Correction) => step,
+        step @ (Phase::Prediction | Phase::Correction | Phase::CorrectedPlane) => step,
         step if pair.view == ViewKind::Raw || plain == Phase::StoredValue => step,
         // A later step may explain the wrong samples of a stream.
         _ => plain,
@@ -556,21 +586,25 @@ fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Phase {
         let mut records = coded.planes[plane].records.iter();
         records.any(|&(position, _)| position as usize == stored)
     };
-    let is_predicted = |plane: usize| coded.plan.reference(plane).is_some();
+    let reference = |plane: usize| coded.plan.reference(plane);
     // Planes that are predicted from a wrong plane are no evidence.
-    let is_root = |plane: usize| {
-        coded
-            .plan
-            .reference(plane)
-            .is_none_or(|other| !wrong[other])
-    };
+    let is_root =
+        |plane: &usize| wrong[*plane] && reference(*plane).is_none_or(|other| !wrong[other]);
+    let roots: Vec<usize> = (0..wrong.len()).filter(is_root).collect();
+    // A misread record leaves one texel uncorrected and changes at most one other. Prediction does not affect corrected texels.
+    let records = roots.iter().map(|&plane| coded.planes[plane].records.len());
     let mut samples = pair.wrong_samples();
-    samples.retain(|i| is_root(i % pair.channels));
+    samples.retain(|i| roots.contains(&(i % pair.channels)));
     if samples.is_empty() {
         Phase::StoredValue
     } else if samples.iter().all(is_corrected) {
         Phase::Correction
-    } else if (0..wrong.len()).all(|plane| !wrong[plane] || is_predicted(plane)) {
+    } else if samples.iter().any(is_corrected)
+        && records.clone().all(|count| count > 0)
+        && samples.len() <= 2 * records.sum::<usize>()
+    {
+        Phase::CorrectedPlane
+    } else if (0..wrong.len()).all(|plane| !wrong[plane] || reference(plane).is_some()) {
         Phase::Prediction
     } else if (0..wrong.len()).any(|plane| plain(&plane)) {
         let is_moved = |plane: usize| is_rearranged(&pair.channel(plane));
@@ -665,9 +699,8 @@ pub(in crate::diagnose) fn example(search: &Search, set: &[MistakeId], w: usize)
     if pair.view != ViewKind::Rgb
         && let Ok(ptm) = witness.decoded()
     {
-        let (case, file) = (witness.case, &witness.built.file);
-        let origins =
-            origin::origin_of_samples(case, file, ptm.planes.size, (x, y), channel..channel + 1);
+        let (format, size, file) = (witness.case.format(), ptm.planes.size, &witness.built.file);
+        let origins = origin::origin_of_samples(format, file, size, (x, y), channel..channel + 1);
         for (name, _, Range { start, end }) in origins {
             let bytes = match end - start {
                 1 => format!("byte {start} (0x{start:x})"),

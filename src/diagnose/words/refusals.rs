@@ -29,10 +29,7 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
             left.retain(|w| !shared.cases.contains(w));
             let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, &formats));
             let refusal = mode_diagnosis(witnesses, &shared.cases, &mode, effect);
-            diagnoses.push(match shared.scope.clause() {
-                Some(clause) => refusal.with_clause(clause),
-                None => refusal,
-            });
+            diagnoses.push(refusal.with_clause(shared.scope.clause()));
         }
     }
     diagnoses
@@ -48,6 +45,9 @@ fn mode_diagnosis(
     let read = "read these legal files, or exit with 69 for all files of this kind";
     let fix = match (mode, mode.refusal_status()) {
         (FailureMode::Hangs, _) => "find the loop that does not terminate".to_owned(),
+        (FailureMode::MalformedFrame(_), _) => {
+            "compare the output with docs/protocol.md".to_owned()
+        }
         (_, Some(status)) => format!("{read}; {}", reject_exit_hint(status)),
         (FailureMode::Crashes(_), None) => {
             "run the example in a debugger; these files are legal, so the decoder must not crash"

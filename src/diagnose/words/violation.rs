@@ -19,13 +19,7 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
         .any(|w| refusable(w) && matches!(witnesses[w].observation.response, Response::Rejected));
     let diagnosis = |mode: FailureMode| {
         let group = mode.select(witnesses, &indices);
-        let expect = |w: &usize| witnesses[*w].case.expect;
-        let may_be_read = |w: &usize| {
-            matches!(
-                expect(w),
-                Expect::Lenient | Expect::Robust | Expect::Spelling
-            )
-        };
+        let may_be_read = |w: &usize| witnesses[*w].case.expect.is_optional();
         let text = CauseText {
             effect: format!("{mode} {}", describe_files(witnesses, &group, refuses)),
             fix: fix(&mode, group.iter().all(may_be_read)),

@@ -131,7 +131,7 @@ fn render_image(case: &Case, built: &Built, view: &View, at: &Difference, frame:
 /// Returns the byte ranges of `file` from which the sample at `position` is computed.
 fn sample_origins(case: &Case, file: &[u8], image: &Expected, position: Position) -> Vec<Origin> {
     let (x, y, channel) = position;
-    let stored = |channels| origin_of_samples(case, file, image.size, (x, y), channels);
+    let stored = |channels| origin_of_samples(case.format(), file, image.size, (x, y), channels);
     let shape = decode(file).map(|ptm| ptm.planes.shape);
     match (image.view, shape) {
         (ViewKind::Raw, _) => stored(channel..channel + 1),
