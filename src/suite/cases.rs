@@ -35,6 +35,7 @@ pub enum Expect {
 
 impl Expect {
     /// Returns true if both the correct image and a refusal are right.
+    #[cfg(unix)]
     pub(crate) fn is_optional(self) -> bool {
         matches!(self, Expect::Lenient | Expect::Robust | Expect::Spelling)
     }
