@@ -75,9 +75,11 @@ fn generalize(error: &str) -> String {
     let unquoted = error.split('"').step_by(2).collect::<Vec<_>>().join("…");
     let words = unquoted.split(';').next().unwrap_or_default().split(' ');
     let generalize_word = |word: &str| {
-        let value = Some(word.trim_matches(['(', ')', ',', ':']));
-        let number = value.filter(|value| value.starts_with(|c: char| c.is_ascii_digit()));
-        number.map_or(word.to_owned(), |number| word.replace(number, "…"))
+        let value = word.trim_matches(['(', ')', ',', ':']);
+        match value.starts_with(|c: char| c.is_ascii_digit()) {
+            true => word.replace(value, "…"),
+            false => word.to_owned(),
+        }
     };
     words.map(generalize_word).collect::<Vec<_>>().join(" ")
 }

@@ -81,8 +81,7 @@ impl FileScope {
         match self {
             FileScope::All => String::new(),
             FileScope::Formats(formats) => {
-                let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
-                format!("of format {}", names.join(", "))
+                format!("of format {}", list_formats(formats))
             }
             FileScope::Property(_, text) => text
                 .split_once(' ')
@@ -115,16 +114,18 @@ fn format_bound(value: f64) -> String {
 
 /// A scope, and those files of a group that are in the scope.
 pub(super) struct SharedScope {
+    /// The formats in which the scope was searched. Files of other formats are disregarded.
+    formats: Vec<Format>,
     pub scope: FileScope,
     pub cases: Vec<usize>,
 }
 
 impl SharedScope {
-    /// Counts the legal files of `formats` in the scope. Returns the number of files in the group and the number of other files.
-    pub fn count_legal(&self, witnesses: &[Witness], formats: &[Format]) -> (usize, usize) {
+    /// Counts the legal files in the scope. Returns the number of files in the group and the number of other files.
+    pub fn count_legal(&self, witnesses: &[Witness]) -> (usize, usize) {
         let is_legal = |w: &usize| {
             let case = witnesses[*w].case;
-            case.expect == Expect::Decode && formats.contains(&case.format())
+            case.expect == Expect::Decode && self.formats.contains(&case.format())
         };
         let in_scope =
             (0..witnesses.len()).filter(|w| is_legal(w) && self.scope.contains(&witnesses[*w]));
@@ -134,9 +135,19 @@ impl SharedScope {
     }
 
     /// Returns true if the group contains a substantial part of the legal files in the scope.
-    pub fn is_prevalent(&self, witnesses: &[Witness], formats: &[Format]) -> bool {
-        let (own, others) = self.count_legal(witnesses, formats);
+    pub fn is_prevalent(&self, witnesses: &[Witness]) -> bool {
+        let (own, others) = self.count_legal(witnesses);
         is_substantial(own, own + others)
+    }
+
+    /// Returns text that completes "every legal file …".
+    pub fn describe(&self) -> String {
+        let scope = self.scope.describe();
+        match self.scope {
+            FileScope::Formats(_) => scope,
+            _ if self.formats.len() == Format::ALL.len() => scope,
+            _ => format!("of {} {scope}", list_formats(&self.formats)),
+        }
     }
 }
 
@@ -149,31 +160,43 @@ pub(super) fn format_sets(witnesses: &[Witness], files: &[usize]) -> Vec<Vec<For
 }
 
 /// Returns the files that have one of `formats`.
-pub(super) fn files_of(witnesses: &[Witness], files: &[usize], formats: &[Format]) -> Vec<usize> {
+fn files_of(witnesses: &[Witness], files: &[usize], formats: &[Format]) -> Vec<usize> {
     let has_format = |w: &usize| formats.contains(&witnesses[*w].case.format());
     files.iter().copied().filter(has_format).collect()
 }
 
-/// Returns the scope that contains the most files of `group` and none of `others`, unless the match may be a coincidence.
-/// Considers the requested view only if `with_view` is true.
+/// Returns the names of the formats, separated by commas.
+pub(super) fn list_formats(formats: &[Format]) -> String {
+    let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
+    names.join(", ")
+}
+
+/// Returns the scope that contains the most files of `group` and none of `others`, unless the match may be a coincidence. Only
+/// files of these formats are considered, and the requested view only if `with_view` is true.
 pub(super) fn shared_scope(
     witnesses: &[Witness],
+    formats: &[Format],
     group: &[usize],
     others: &[usize],
     with_view: bool,
 ) -> Option<SharedScope> {
+    let [group, others] = [group, others].map(|files| files_of(witnesses, files, formats));
     let is_pure = |scope: &FileScope| !others.iter().any(|&w| scope.contains(&witnesses[w]));
-    let own_formats = FileScope::Formats(own_formats(witnesses, group, others));
+    let own_formats = FileScope::Formats(own_formats(witnesses, &group, &others));
     let properties = &witnesses.first()?.facts().properties;
     let range = if with_view { 0 } else { VIEW_PROPERTIES }..properties.len();
     let property = |index: usize| FileScope::Property(index, properties[index].0);
-    let scopes = (std::iter::once(own_formats))
+    let scopes = std::iter::once(own_formats)
         .chain(range.map(property))
-        .chain(thresholds(witnesses, group, others));
+        .chain(thresholds(witnesses, &group, &others));
     let shared = scopes.map(|scope| {
         let is_inside = |w: &usize| scope.contains(&witnesses[*w]);
         let cases = group.iter().copied().filter(is_inside).collect();
-        SharedScope { scope, cases }
+        SharedScope {
+            formats: formats.to_vec(),
+            scope,
+            cases,
+        }
     });
     let found: Vec<SharedScope> = shared.filter(|one| !one.cases.is_empty()).collect();
     // Any of the other files could have been in this group instead.
@@ -190,12 +213,10 @@ pub(super) fn shared_scope(
 }
 
 /// Returns the formats of the files in `group` that no file in `others` has.
-fn own_formats(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<Format> {
-    let mut formats = Format::ALL.to_vec();
-    let has = |w: &usize, format| witnesses[*w].case.format() == format;
-    let any = |files: &[usize], format| files.iter().any(|w| has(w, format));
-    formats.retain(|&format| any(group, format) && !any(others, format));
-    formats
+pub(super) fn own_formats(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<Format> {
+    let has = |files: &[usize], one| files.iter().any(|&w| witnesses[w].case.format() == one);
+    let is_own = |format: &Format| has(group, *format) && !has(others, *format);
+    Format::ALL.into_iter().filter(is_own).collect()
 }
 
 /// Returns scopes for thresholds that separate all files in `group` from all files in `others`.
@@ -245,10 +266,10 @@ pub(super) fn separating_scope(
     refuting: &[usize],
 ) -> Option<FileScope> {
     let formats = own_formats(witnesses, explained, refuting);
-    let is_own = |w: &usize| formats.contains(&witnesses[*w].case.format());
-    if explained.len() >= MIN_SHARING_FILES && explained.iter().all(is_own) {
+    let own = files_of(witnesses, explained, &formats);
+    if explained.len() >= MIN_SHARING_FILES && own.len() == explained.len() {
         return Some(FileScope::Formats(formats));
     }
-    let shared = shared_scope(witnesses, explained, refuting, true)?;
+    let shared = shared_scope(witnesses, &Format::ALL, explained, refuting, true)?;
     (shared.cases.len() == explained.len()).then_some(shared.scope)
 }

@@ -7,7 +7,7 @@ use std::ops::Range;
 use super::arithmetic::format_arithmetic;
 use super::{files_in_scope, share_text};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
-use crate::diagnose::scope::{FileScope, SharedScope, files_of, format_sets, shared_scope};
+use crate::diagnose::scope::{FileScope, SharedScope, format_sets, shared_scope};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most, is_substantial};
 use crate::diagnose::{mistake::ChannelSubset, pair::ImagePair, witness::Witness};
@@ -84,7 +84,7 @@ impl Phase {
             ],
             Phase::CorrectedPlane => [
                 "shows wrong values only in planes with side information, and in planes predicted from them",
-                "list the records of a plane in the example, and check the bytes, the position and the value of each",
+                "read the records of the plane in the example by hand, and check the bytes, the position and the value of each",
             ],
             Phase::StoredValue => [
                 "shows wrong stored values",
@@ -350,15 +350,14 @@ fn take_scopes(
     let is_rest = is_few(open.len(), known.iter().filter(is_explained).count());
     let mut parts = Vec::new();
     for formats in (format_sets.iter()).filter(|_| !search.is_arbitrary && !is_rest) {
-        let [group, others] = [&open[..], known].map(|files| files_of(witnesses, files, formats));
-        let shared = shared_scope(witnesses, &group, &others, false);
+        let shared = shared_scope(witnesses, formats, open, known, false);
         let is_rule = |shared: &SharedScope| {
-            is_most(shared.cases.len(), open.len()) && shared.is_prevalent(witnesses, formats)
+            is_most(shared.cases.len(), open.len()) && shared.is_prevalent(witnesses)
         };
         if let Some(shared) = shared.filter(is_rule) {
             open.retain(|w| !shared.cases.contains(w));
             parts.push(CauseGroup {
-                files: files_in_scope(witnesses, &shared, formats),
+                files: files_in_scope(witnesses, &shared),
                 // The clause of the step is closer to the cause than the clause of a property.
                 clause: match shared.scope {
                     FileScope::Beyond { .. } => shared.scope.clause(),

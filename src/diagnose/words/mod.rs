@@ -11,22 +11,16 @@ pub(super) mod violation;
 
 pub use arithmetic::format_steps as arithmetic_steps;
 
-use super::scope::{FileScope, SharedScope};
+use super::scope::{SharedScope, list_formats, own_formats};
 use super::witness::Witness;
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
 
-/// Describes the files of one format, or of all formats, in a scope: "every legal file with predicted planes", "12 of 14 legal
-/// files with predicted planes" if other files in the scope fail in another way, or "12 legal files with predicted planes" if
-/// other files were not judged.
-fn files_in_scope(witnesses: &[Witness], shared: &SharedScope, formats: &[Format]) -> String {
-    let (count, others) = shared.count_legal(witnesses, formats);
-    let names: Vec<&str> = formats.iter().map(|format| format.short_name()).collect();
-    let scope = match shared.scope {
-        _ if formats.len() == Format::ALL.len() => shared.scope.describe(),
-        FileScope::Formats(_) => shared.scope.describe(),
-        _ => format!("of {} {}", names.join(", "), shared.scope.describe()),
-    };
+/// Describes the files in a scope: "every legal file with predicted planes", "12 of 14 legal files with predicted planes" if other
+/// files in the scope fail in another way, or "12 legal files with predicted planes" if other files were not judged.
+fn files_in_scope(witnesses: &[Witness], shared: &SharedScope) -> String {
+    let (count, others) = shared.count_legal(witnesses);
+    let scope = shared.describe();
     match others {
         _ if count == 0 => format!(
             "{} files {scope} that need not be decoded",
@@ -63,15 +57,9 @@ const MAX_FORMATS: usize = 4;
 
 /// Returns the formats of these files, such as " of RGB, LRGB", or an empty string if there are too many to list.
 fn format_names(witnesses: &[Witness], indices: &[usize]) -> String {
-    let is_shown = |format: &Format| {
-        indices
-            .iter()
-            .any(|&w| witnesses[w].case.format() == *format)
-    };
-    let formats = Format::ALL.into_iter().filter(is_shown);
-    let names: Vec<&str> = formats.map(Format::short_name).collect();
-    match (1..=MAX_FORMATS).contains(&names.len()) {
-        true => format!(" of {}", names.join(", ")),
+    let formats = own_formats(witnesses, indices, &[]);
+    match (1..=MAX_FORMATS).contains(&formats.len()) {
+        true => format!(" of {}", list_formats(&formats)),
         false => String::new(),
     }
 }

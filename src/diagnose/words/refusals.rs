@@ -2,7 +2,7 @@
 
 use super::{files_in_scope, share_text};
 use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
-use crate::diagnose::scope::{files_of, format_sets, shared_scope};
+use crate::diagnose::scope::{format_sets, shared_scope};
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
 use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
 use crate::kit::last_message::last_message;
@@ -17,17 +17,16 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
     for mode in FailureMode::list_by_frequency(witnesses, left) {
         let mut open = mode.select(witnesses, left);
         // A property shared by a few of many files is a coincidence.
-        let find_shared = |open: &[usize], formats: Vec<Format>| {
-            let [own, others] = [open, &read].map(|files| files_of(witnesses, files, &formats));
-            let shared = shared_scope(witnesses, &own, &others, true)?;
-            is_substantial(shared.cases.len(), open.len()).then_some((shared, formats))
+        let find_shared = |open: &[usize]| {
+            format_sets(witnesses, open).iter().find_map(|formats| {
+                let shared = shared_scope(witnesses, formats, open, &read, true)?;
+                is_substantial(shared.cases.len(), open.len()).then_some(shared)
+            })
         };
-        while let Some((shared, formats)) = (format_sets(witnesses, &open).into_iter())
-            .find_map(|formats| find_shared(&open, formats))
-        {
+        while let Some(shared) = find_shared(&open) {
             open.retain(|w| !shared.cases.contains(w));
             left.retain(|w| !shared.cases.contains(w));
-            let effect = format!("{mode} {}", files_in_scope(witnesses, &shared, &formats));
+            let effect = format!("{mode} {}", files_in_scope(witnesses, &shared));
             let refusal = mode_diagnosis(witnesses, &shared.cases, &mode, effect);
             diagnoses.push(refusal.with_clause(shared.scope.clause()));
         }
@@ -72,7 +71,7 @@ pub fn shared_failures(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usiz
     let read = files_read(witnesses);
     let explained = |mode: FailureMode| {
         let group = mode.select(witnesses, failing);
-        shared_scope(witnesses, &group, &read, true).map(|shared| shared.cases)
+        shared_scope(witnesses, &Format::ALL, &group, &read, true).map(|shared| shared.cases)
     };
     FailureMode::list_by_frequency(witnesses, failing)
         .into_iter()
@@ -168,11 +167,8 @@ pub(in crate::diagnose) fn describe_observation(
     let mode = common_mode(witnesses, indices)?;
     let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !indices.contains(w);
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
-    let shared = shared_scope(witnesses, indices, &others, false)?;
-    let effect = format!(
-        "{mode} {}",
-        files_in_scope(witnesses, &shared, &Format::ALL)
-    );
+    let shared = shared_scope(witnesses, &Format::ALL, indices, &others, false)?;
+    let effect = format!("{mode} {}", files_in_scope(witnesses, &shared));
     (shared.cases.len() == indices.len()).then(|| mode_diagnosis(witnesses, indices, &mode, effect))
 }
 
