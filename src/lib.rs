@@ -121,6 +121,10 @@ pub mod writers;
 #[doc(hidden)]
 pub mod site;
 
+#[cfg(feature = "cli")]
+#[doc(hidden)]
+pub mod cli;
+
 pub use decode::{decode, decode_as};
 pub use error::{Error, Result};
 pub use ptm::{Limits, Ptm};

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use ptm_conform::{protocol::frame::EXIT_UNSUPPORTED, ptm::Format};
+use crate::{protocol::frame::EXIT_UNSUPPORTED, ptm::Format};
 
 /// Converts a timeout in seconds to a duration. Rejects zero, negative and non-finite values.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {

@@ -14,18 +14,19 @@ use super::subject::{Answers, Subject, decoder_for_command};
 use super::terminal::print_styled;
 use super::{CommandResult, own_files};
 use super::{calls::quote_command, check_args::CheckArgs};
-use ptm_conform::misreadings;
-use ptm_conform::protocol::capabilities::Capabilities;
-use ptm_conform::report::reported::find_misreadings;
-use ptm_conform::report::shards::{Circumstances, OtherRemarks};
-use ptm_conform::runner::{processes, run::Request, scratch::Scratch, serve::Servers};
-use ptm_conform::session::contact::Contact;
-use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::probe::{ProbeStep, wrapper_faults};
-use ptm_conform::session::remark::Remark;
-use ptm_conform::session::{lit_scene, locale, texture_stage};
-use ptm_conform::strength::smoke;
-use ptm_conform::suite::{cases::Suite, texture::test_case::TextureView};
+use crate::misreadings;
+use crate::protocol::capabilities::Capabilities;
+use crate::report::reported::find_misreadings;
+use crate::report::shards::{Circumstances, OtherRemarks};
+use crate::report::texts::SuiteTexts;
+use crate::runner::{processes, run::Request, scratch::Scratch, serve::Servers};
+use crate::session::contact::Contact;
+use crate::session::plan::{Repeat, RunPlan};
+use crate::session::probe::{ProbeStep, wrapper_faults};
+use crate::session::remark::Remark;
+use crate::session::{lit_scene, locale, texture_stage};
+use crate::strength::smoke;
+use crate::suite::{cases::Suite, texture::test_case::TextureView};
 
 /// Runs a suite.
 pub fn run(args: &CheckArgs) -> CommandResult {
@@ -89,8 +90,9 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         assumed: args.assumed.clone(),
         limits: args.limits(serves),
     };
-    let writer = ReportWriter::new(&suite, &args.run.report, &args.output)?;
-    let mut check = Check::new(&plan, circumstances, writer, args.shard)?;
+    let texts = SuiteTexts::new(&suite)?;
+    let writer = ReportWriter::new(texts, &args.run.report, &args.output)?;
+    let mut check = Check::new(&suite, &plan, circumstances, writer, args.shard)?;
     if !serves && args.cmd.is_none() {
         check.speed_hint = SERVE_MODE_IS_FASTER;
     }

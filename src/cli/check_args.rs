@@ -9,11 +9,11 @@ use super::arguments::{id_filter, is_at_or_below, parse_refusal};
 use super::calls::{RunArgs, quote_command};
 use super::{CommandError, EXIT_NOTHING_SELECTED};
 use super::{ending::OutputArgs, names::did_you_mean};
-use ptm_conform::protocol::frame::ViewKind;
-use ptm_conform::report::shards::Shard;
-use ptm_conform::runner::processes;
-use ptm_conform::session::plan::SAMPLE_INTERVAL;
-use ptm_conform::suite::{cases::Suite, test_case::TestCase};
+use crate::protocol::frame::ViewKind;
+use crate::report::shards::Shard;
+use crate::runner::processes;
+use crate::session::plan::SAMPLE_INTERVAL;
+use crate::suite::{cases::Suite, test_case::TestCase};
 
 /// Run the suite on a decoder and name the clauses that it misreads.
 ///

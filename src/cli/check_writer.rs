@@ -11,14 +11,14 @@ use super::guard::{ScratchGuard, stop_on_signals};
 use super::subject::{decoder_for_command, decoder_from_template};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use super::{arguments::id_filter, calls::RunArgs, driver::ProgramRun, ending::OutputArgs};
-use ptm_conform::ptm::Format;
-use ptm_conform::runner::processes;
-use ptm_conform::runner::run::{Decoder, Request};
-use ptm_conform::runner::template::Template;
-use ptm_conform::suite::cases::Suite;
-use ptm_conform::writers::asking::{self, VALUES};
-use ptm_conform::writers::fitting::photographs::ImageSet;
-use ptm_conform::writers::test_case::{FileCase, RequestValues, WriteView};
+use crate::ptm::Format;
+use crate::runner::processes;
+use crate::runner::run::{Decoder, Request};
+use crate::runner::template::Template;
+use crate::suite::cases::Suite;
+use crate::writers::asking::{self, VALUES};
+use crate::writers::fitting::photographs::ImageSet;
+use crate::writers::test_case::{FileCase, RequestValues, WriteView};
 
 /// Check a program that writes PTM files and name the clauses that it gets wrong.
 ///

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CommandError, CommandResult, files, output, readers};
-use ptm_conform::ptm::Format;
-use ptm_conform::tools::convert::{Target, convert};
-use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection, repair::repair};
+use crate::ptm::Format;
+use crate::tools::convert::{Target, convert};
+use crate::tools::{convert_for::convert_for, dissection::Dissection, repair::repair};
 
 /// Convert a map to another format, without loss unless a lossy format is requested.
 ///

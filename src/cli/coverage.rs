@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use ptm_conform::kit::yaml::to_yaml;
-use ptm_conform::strength::{coverage::Coverage, matrix::matrix, smoke};
-use ptm_conform::suite::cases::Suite;
+use crate::kit::yaml::to_yaml;
+use crate::strength::{coverage::Coverage, matrix::matrix, smoke};
+use crate::suite::cases::Suite;
 
 use super::output::{jobs, print, with_progress};
 use super::{CommandResult, files::write_atomically};

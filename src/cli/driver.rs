@@ -12,17 +12,17 @@ use super::ending::{OutputArgs, ReportWriter};
 use super::progress::{self, ProgressLine};
 use super::{CommandResult, calls::RunArgs};
 use super::{files::with_path, guard::check_for_trouble, output::jobs};
-use ptm_conform::report::conclude::{add_causes, first_causes, verdicts};
-use ptm_conform::report::reported::Reportable;
-use ptm_conform::report::shards::{
+use crate::report::conclude::{add_causes, first_causes, verdicts};
+use crate::report::reported::Reportable;
+use crate::report::shards::{
     AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
 };
-use ptm_conform::report::text::first_causes_to_text;
-use ptm_conform::runner::run::{Decoder, Request};
-use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::{Observations, Run, Session};
-use ptm_conform::session::{asking::DecoderFn, contact::Contact, observation::Observation};
-use ptm_conform::suite::cases::Suite;
+use crate::report::{text::first_causes_to_text, texts::SuiteTexts};
+use crate::runner::run::{Decoder, Request};
+use crate::session::plan::{Repeat, RunPlan};
+use crate::session::run::{Observations, Run, Session};
+use crate::session::{asking::DecoderFn, contact::Contact, observation::Observation};
+use crate::suite::cases::Suite;
 
 /// Minimum number of cases outside the smoke subset for an early report of causes. Shorter runs report causes only at the end.
 const MIN_OTHER_CASES: usize = 200;
@@ -35,9 +35,10 @@ const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
 
 /// Run of a suite and the destination of its report.
 pub struct Check<'a, C: Reportable> {
+    suite: &'a Suite<C>,
     plan: &'a RunPlan,
     circumstances: Circumstances,
-    writer: ReportWriter<'a, C>,
+    writer: ReportWriter<'a>,
     /// File next to the report, with the results so far: a YAML list that is valid after every case.
     partial: (PathBuf, fs::File),
     progress: ProgressLine,
@@ -50,9 +51,10 @@ pub struct Check<'a, C: Reportable> {
 impl<'a, C: Reportable> Check<'a, C> {
     /// Creates a run and the files that it writes.
     pub fn new(
+        suite: &'a Suite<C>,
         plan: &'a RunPlan,
         circumstances: Circumstances,
-        writer: ReportWriter<'a, C>,
+        writer: ReportWriter<'a>,
         shard: Option<Shard>,
     ) -> Result<Check<'a, C>, String> {
         let path = answers_path(writer.path);
@@ -63,6 +65,7 @@ impl<'a, C: Reportable> Check<'a, C> {
         let partial = PathBuf::from(partial);
         let file = fs::File::create(&partial).map_err(with_path(&partial))?;
         Ok(Check {
+            suite,
             plan,
             circumstances,
             partial: (partial, file),
@@ -83,14 +86,14 @@ impl<'a, C: Reportable> Check<'a, C> {
             reply
         };
         let began = Instant::now();
-        let mut session = Session::new(self.writer.suite, self.plan, &recording);
+        let mut session = Session::new(self.suite, self.plan, &recording);
         let mut contact = session.first_contact();
         let (time, requests) = (began.elapsed(), session.requests_sent());
         let pace = time.div_f64(requests.max(1) as f64);
         inspect(&mut contact);
         // Assumed misreadings have already been reported.
         if contact.is_ready() && self.circumstances.assumed.is_empty() {
-            C::undo_common_transforms(self.writer.suite, &mut session, &mut contact);
+            C::undo_common_transforms(self.suite, &mut session, &mut contact);
         }
         let observations = self.run_smoke_subset_first(&session, &contact, pace);
         self.progress.begin("repeating failed cases:");
@@ -128,7 +131,7 @@ impl<'a, C: Reportable> Check<'a, C> {
             let done = done.fetch_add(1, Ordering::Relaxed) + 1;
             self.progress.update(done, all);
         };
-        let mut observations = vec![None; self.writer.suite.cases.len()];
+        let mut observations = vec![None; self.suite.cases.len()];
         // A short run would end before the user has read the first causes.
         if soonest.is_empty() || others.len() < MIN_OTHER_CASES {
             self.progress.begin("running");
@@ -158,7 +161,7 @@ impl<'a, C: Reportable> Check<'a, C> {
     /// Reports the causes of failures in the smoke subset. Reports nothing if the search does not finish in time, because
     /// an incomplete search may name causes that other cases refute.
     fn report_first_causes(&self, mut run: Run<C>, time_limit: Duration) {
-        let (suite, assumed) = (self.writer.suite, &self.circumstances.assumed);
+        let (suite, assumed) = (self.suite, &self.circumstances.assumed);
         let stop = Arc::new(AtomicBool::new(false));
         run.stop = Arc::clone(&stop);
         let label = "searching for first causes";
@@ -176,12 +179,12 @@ impl<'a, C: Reportable> Check<'a, C> {
 
     /// Writes the report with all verdicts, then searches for causes and writes the report again. Returns the exit status.
     pub fn conclude(self, mut run: Run<C>, others: OtherRemarks) -> Result<u8, String> {
-        let (suite, plan) = (self.writer.suite, self.plan);
+        let (suite, plan) = (self.suite, self.plan);
         let assumed = self.circumstances.assumed.clone();
         self.progress.begin("writing the report");
         let mut report = verdicts(suite, plan, &mut run, &self.circumstances, &others)?;
         // Write the verdicts before the search for causes, which may take long or fail.
-        self.writer.write(&run, &mut report)?;
+        self.writer.write(&mut report)?;
         if let Some((part, recorder)) = self.recorder {
             let end = Trailer {
                 version: report.tool.version.clone(),
@@ -210,7 +213,7 @@ impl<'a, C: Reportable> Check<'a, C> {
             found
         });
         drop(self.progress);
-        let status = self.writer.finish(&run, report)?;
+        let status = self.writer.finish(self.suite, &run, report)?;
         let _ = fs::remove_file(self.partial.0);
         Ok(status)
     }
@@ -246,13 +249,13 @@ impl ProgramRun<'_> {
             stop: Arc::clone(&self.program.stop),
             ..RunPlan::new(suite, jobs(self.args.calls.jobs)?)
         };
-        let writer = ReportWriter::new(suite, &self.args.report, self.output)?;
+        let writer = ReportWriter::new(SuiteTexts::new(suite)?, &self.args.report, self.output)?;
         let circumstances = Circumstances {
             command: self.words.to_vec(),
             limits: self.limits,
             ..Circumstances::default()
         };
-        let check = Check::new(&plan, circumstances, writer, self.shard)?;
+        let check = Check::new(suite, &plan, circumstances, writer, self.shard)?;
         let run = check.run_cases(ask, &|_| ());
         check_for_trouble(self.program)?;
         Ok(check.conclude(run, OtherRemarks::default())?)

@@ -9,10 +9,11 @@ use clap::Args;
 use super::files::{check_writable, with_path, write_atomically};
 use super::output::{print, print_error};
 use super::terminal::print_styled;
-use ptm_conform::report::{Report, baseline::Baseline, reported::Reportable};
-use ptm_conform::report::{github, html, junit};
-use ptm_conform::session::run::Run;
-use ptm_conform::suite::cases::Suite;
+use crate::report::baseline::{Baseline, BaselineComparison};
+use crate::report::{Report, reported::Reportable, texts::SuiteTexts};
+use crate::report::{github, html, junit};
+use crate::session::run::Run;
+use crate::suite::cases::Suite;
 
 /// Options for other output formats and for lists of known failures.
 #[derive(Args)]
@@ -69,37 +70,36 @@ impl OutputArgs {
     }
 }
 
-/// Writes the report on a suite in every requested format.
-pub struct ReportWriter<'a, C: Reportable> {
-    /// Suite that the report covers.
-    pub suite: &'a Suite<C>,
+/// Writes a report in every requested format.
+pub struct ReportWriter<'a> {
     /// Path of the YAML report.
     pub path: &'a Path,
+    texts: SuiteTexts,
     args: &'a OutputArgs,
     known: Option<Baseline>,
 }
 
-impl<'a, C: Reportable> ReportWriter<'a, C> {
+impl<'a> ReportWriter<'a> {
     /// Creates a writer and reads the baseline, if one is given.
     pub fn new(
-        suite: &'a Suite<C>,
+        texts: SuiteTexts,
         path: &'a Path,
         args: &'a OutputArgs,
-    ) -> Result<ReportWriter<'a, C>, String> {
+    ) -> Result<ReportWriter<'a>, String> {
         let known = args.baseline.as_ref();
-        let known = known.map(|path| Baseline::read(path, suite)).transpose()?;
+        let known = known.map(|path| Baseline::read(path, &texts)).transpose()?;
         Ok(ReportWriter {
-            suite,
             path,
+            texts,
             args,
             known,
         })
     }
 
     /// Compares the report with the baseline, and writes the report atomically as YAML.
-    pub fn write(&self, run: &Run<C>, report: &mut Report) -> Result<(), String> {
+    pub fn write(&self, report: &mut Report) -> Result<(), String> {
         let known = self.known.as_ref();
-        report.baseline = known.map(|known| known.compare(self.suite, run));
+        report.baseline = known.map(|known| known.compare(report));
         let text = match self.args.short {
             true => report.clone().without_passing_cases()?.to_yaml(),
             false => report.to_yaml(),
@@ -107,43 +107,46 @@ impl<'a, C: Reportable> ReportWriter<'a, C> {
         write_atomically(self.path, text?)
     }
 
-    /// Writes and prints the report in all requested formats. Returns the exit status.
-    pub fn finish(&self, run: &Run<C>, mut report: Report) -> Result<u8, String> {
-        self.write(run, &mut report)?;
+    /// Writes and prints the report on `run` in all requested formats. Returns the exit status.
+    pub fn finish<C: Reportable>(
+        &self,
+        suite: &Suite<C>,
+        run: &Run<C>,
+        mut report: Report,
+    ) -> Result<u8, String> {
+        self.write(&mut report)?;
         if let Some(why) = run.ended_early {
             print_error(&format!("ptm-conform: {why}"));
         }
-        let text = report.to_text(self.suite, self.args.show);
+        self.print(&report);
+        if let Some(path) = &self.args.html {
+            write_atomically(path, html::page(suite, &self.texts, &report, run))?;
+            print(&format!("page: {}\n", path.display()));
+        }
+        self.write_other_formats(&report)?;
+        let is_complete = run.ended_early.is_none() && run.not_a_decoder.is_none();
+        self.write_baseline(&report, is_complete)?;
+        let Some(comparison) = &report.baseline else {
+            return Ok(run.exit_status());
+        };
+        print_comparison(comparison);
+        Ok(match run.status(!comparison.new.is_empty()) {
+            0 if !comparison.stale.is_empty() => 4,
+            status => status,
+        })
+    }
+
+    fn print(&self, report: &Report) {
+        let text = report.to_text(&self.texts, self.args.show);
         // A GitHub runner would interpret some output of a decoder as commands.
         print_styled(&match self.args.github {
             true => github::quote_commands(&text),
             false => text,
         });
         print(&format!("report: {}\n", self.path.display()));
-        self.write_other_formats(run, &report)?;
-        self.write_baseline(run)?;
-        let Some(comparison) = report.baseline else {
-            return Ok(run.exit_status());
-        };
-        // List the new failures and the listed cases that pass.
-        let list = |title: &str, ids: &[String]| match ids.len() {
-            0 => String::new(),
-            count => format!("{title}: {count}\n  {}\n", ids.join("\n  ")),
-        };
-        let new = list("new failures (not in the baseline)", &comparison.new);
-        let stale = list("stale, listed but passing", &comparison.stale);
-        print(&format!(
-            "known failures: {}\n{new}{stale}",
-            comparison.known.len()
-        ));
-        Ok(comparison.exit_status(run))
     }
 
-    fn write_other_formats(&self, run: &Run<C>, report: &Report) -> Result<(), String> {
-        if let Some(path) = &self.args.html {
-            write_atomically(path, html::page(self.suite, report, Some(run))?)?;
-            print(&format!("page: {}\n", path.display()));
-        }
+    fn write_other_formats(&self, report: &Report) -> Result<(), String> {
         if let Some(path) = &self.args.junit {
             write_atomically(path, junit::junit(report))?;
         }
@@ -157,7 +160,7 @@ impl<'a, C: Reportable> ReportWriter<'a, C> {
             if let Some(path) = summary.as_deref().map(Path::new) {
                 // All steps of a job append to the same file.
                 let file = fs::OpenOptions::new().append(true).create(true).open(path);
-                let text = github::summary(report, self.suite.cases.len());
+                let text = github::summary(report, self.texts.purposes.len());
                 file.and_then(|mut file| file.write_all(text.as_bytes()))
                     .map_err(with_path(path))?;
             }
@@ -165,18 +168,32 @@ impl<'a, C: Reportable> ReportWriter<'a, C> {
         Ok(())
     }
 
-    fn write_baseline(&self, run: &Run<C>) -> Result<(), String> {
+    fn write_baseline(&self, report: &Report, is_complete: bool) -> Result<(), String> {
         let Some(path) = &self.args.write_baseline else {
             return Ok(());
         };
-        if run.ended_early.is_some() || run.not_a_decoder.is_some() {
+        if !is_complete {
             let says = "ptm-conform: the run is incomplete, so";
             print_error(&format!("{says} {} is not written", path.display()));
             return Ok(());
         }
         let list = self.known.clone().unwrap_or_default();
-        write_atomically(path, list.to_updated_yaml(self.suite, run))?;
+        write_atomically(path, list.to_updated_yaml(&self.texts, report))?;
         print(&format!("known failures: {}\n", path.display()));
         Ok(())
     }
+}
+
+/// Lists the new failures and the listed cases that pass.
+fn print_comparison(comparison: &BaselineComparison) {
+    let list = |title: &str, ids: &[String]| match ids.len() {
+        0 => String::new(),
+        count => format!("{title}: {count}\n  {}\n", ids.join("\n  ")),
+    };
+    let new = list("new failures (not in the baseline)", &comparison.new);
+    let stale = list("stale, listed but passing", &comparison.stale);
+    print(&format!(
+        "known failures: {}\n{new}{stale}",
+        comparison.known.len()
+    ));
 }

@@ -15,20 +15,20 @@ use super::terminal::print_styled;
 use super::{
     CommandResult, arguments::is_at_or_below, links::page_line, names::did_you_mean, readers,
 };
-use ptm_conform::kit::digest::sha256;
-use ptm_conform::misreadings::{self, Misreading, writing};
-use ptm_conform::ptm::Format;
-use ptm_conform::readers::ReaderProfile;
+use crate::kit::digest::sha256;
+use crate::misreadings::{self, Misreading, writing};
+use crate::ptm::Format;
+use crate::readers::ReaderProfile;
 #[cfg(unix)]
-use ptm_conform::session::outcome::Outcome;
+use crate::session::outcome::Outcome;
 #[cfg(unix)]
-use ptm_conform::strength::matrix::run_with_mistakes;
-use ptm_conform::suite::address;
-use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
-use ptm_conform::suite::clauses::{self, Clause, Ruling, section_of};
-use ptm_conform::suite::texture::cases as texture;
-use ptm_conform::suite::{name::SuiteName, test_case::TestCase};
-use ptm_conform::tools::lint::codes::{self, Code};
+use crate::strength::matrix::run_with_mistakes;
+use crate::suite::address;
+use crate::suite::cases::{Case, Suite, TableSpelling};
+use crate::suite::clauses::{self, Clause, Ruling, section_of};
+use crate::suite::texture::cases as texture;
+use crate::suite::{name::SuiteName, test_case::TestCase};
+use crate::tools::lint::codes::{self, Code};
 
 /// Explain a case, a clause, a ruling, a misreading, a lint code or a public reader.
 #[derive(Args)]

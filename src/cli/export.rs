@@ -6,7 +6,7 @@ use clap::Args;
 use image::ImageFormat;
 
 use super::{CommandResult, files, output};
-use ptm_conform::tools::{export, render::encode_image};
+use crate::tools::{export, render::encode_image};
 
 /// Export the values of a map as OpenEXR, NPY or PNG. The suffix of the output file selects the format.
 ///
@@ -61,7 +61,7 @@ pub fn run(args: &ExportArgs) -> CommandResult {
         _ => {
             let planes = export::stacked_planes(samples, size, channels);
             let content = format!("{channels} stored planes, stacked vertically");
-            (encode_image(planes, ImageFormat::Png)?, content)
+            (encode_image(&planes.into(), ImageFormat::Png)?, content)
         }
     };
     files::write_atomically(&args.output, bytes)?;

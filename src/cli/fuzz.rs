@@ -12,13 +12,13 @@ use super::guard::{ScratchGuard, check_for_trouble, stop_on_signals};
 use super::output::{bar, jobs, print};
 use super::{CommandError, CommandResult};
 use super::{arguments::positive_seconds, calls::CallArgs};
-use ptm_conform::fuzz::finding::Finding;
-use ptm_conform::fuzz::write::{cause_text, write};
-use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
-use ptm_conform::protocol::frame::ViewKind;
-use ptm_conform::ptm::Format;
-use ptm_conform::runner::{run::Request, serve::Servers};
-use ptm_conform::suite::cases::{Suite, TableSpelling};
+use crate::fuzz::finding::Finding;
+use crate::fuzz::write::{cause_text, write};
+use crate::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
+use crate::protocol::frame::ViewKind;
+use crate::ptm::Format;
+use crate::runner::{run::Request, serve::Servers};
+use crate::suite::cases::{Suite, TableSpelling};
 
 /// Template of a progress bar that counts calls.
 pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}";

@@ -9,13 +9,13 @@ use super::output::{jobs, print_note, with_progress};
 use super::{CommandResult, files};
 use super::{arguments::id_filter, names::did_you_mean};
 #[cfg(unix)]
-use ptm_conform::protocol::frame::ViewKind;
-use ptm_conform::ptm::Format;
+use crate::protocol::frame::ViewKind;
+use crate::ptm::Format;
 #[cfg(unix)]
-use ptm_conform::session::outputs;
-use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
-use ptm_conform::suite::corpus;
-use ptm_conform::tools::profiles::{self, Profile};
+use crate::session::outputs;
+use crate::suite::cases::{Case, Suite, TableSpelling};
+use crate::suite::corpus;
+use crate::tools::profiles::{self, Profile};
 
 /// Write test files: every file of the suite, the expected frame, and a manifest with digests.
 ///

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::output::{self, MachineFormatArgs};
 use super::{CommandResult, files};
-use ptm_conform::tools::{dissection::Dissection, inspect::inspect};
+use crate::tools::{dissection::Dissection, inspect::inspect};
 
 /// Show every field of a file: offset, clause and value.
 ///

@@ -5,11 +5,11 @@ use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::sync::LazyLock;
 
-use ptm_conform::misreadings;
-use ptm_conform::suite::address::{self, published_url};
-use ptm_conform::suite::texture::cases as texture;
-use ptm_conform::suite::{cases::Suite, clauses, name::SuiteName};
-use ptm_conform::tools::lint::codes;
+use crate::misreadings;
+use crate::suite::address::{self, published_url};
+use crate::suite::texture::cases as texture;
+use crate::suite::{cases::Suite, clauses, name::SuiteName};
+use crate::tools::lint::codes;
 
 /// Returns a line with the URL of a page, or an empty string if there is no page.
 pub fn page_line(page: Option<String>) -> String {

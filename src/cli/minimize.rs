@@ -9,13 +9,13 @@ use super::guard::{ScratchGuard, check_for_trouble, stop_on_signals};
 use super::output::{bar, print};
 use super::{CommandResult, calls::CallArgs, files, fuzz::CALLS_TEMPLATE};
 
-use ptm_conform::diagnose::equal_up_to_rounding;
-use ptm_conform::fuzz::reduce;
-use ptm_conform::misreadings::{self, Misreading};
-use ptm_conform::protocol::frame::{Answer, Frame, View};
-use ptm_conform::reading::Reading;
-use ptm_conform::runner::run::Request;
-use ptm_conform::suite::cases::{Suite, TableSpelling};
+use crate::diagnose::equal_up_to_rounding;
+use crate::fuzz::reduce;
+use crate::misreadings::{self, Misreading};
+use crate::protocol::frame::{Answer, Frame, View};
+use crate::reading::Reading;
+use crate::runner::run::Request;
+use crate::suite::cases::{Suite, TableSpelling};
 
 /// Reduce a file while a decoder still fails on it in the same way.
 ///
@@ -118,7 +118,7 @@ const MAX_CAUSES: usize = 3;
 
 /// Describes how an answer differs from the reference. Returns `None` if it does not differ.
 fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
-    match (ptm_conform::decode(file), answer) {
+    match (crate::decode(file), answer) {
         (Ok(ptm), Answer::Decoded(frame)) => {
             let is_equivalent = equal_up_to_rounding(&Frame::render(&ptm, view), frame);
             (!is_equivalent).then_some("a different image")

@@ -11,58 +11,59 @@ mod arguments;
 #[cfg(unix)]
 mod calls;
 #[cfg(unix)]
-pub mod check;
+mod check;
 #[cfg(unix)]
-pub mod check_args;
+mod check_args;
 #[cfg(unix)]
-pub mod check_writer;
+mod check_writer;
 mod collection;
-pub mod completions;
-pub mod convert;
+pub mod commands;
+mod completions;
+mod convert;
 #[cfg(unix)]
-pub mod coverage;
-pub mod diff;
+mod coverage;
+mod diff;
 #[cfg(unix)]
 mod driver;
 #[cfg(not(unix))]
-pub mod elsewhere;
+mod elsewhere;
 #[cfg(unix)]
 mod ending;
-pub mod example;
-pub mod explain;
-pub mod export;
-pub mod files;
+mod example;
+mod explain;
+mod export;
+mod files;
 #[cfg(unix)]
-pub mod fuzz;
-pub mod generate;
+mod fuzz;
+mod generate;
 #[cfg(unix)]
-pub mod guard;
-pub mod inspect;
+mod guard;
+mod inspect;
 mod links;
-pub mod lint;
+mod lint;
 mod lint_rows;
 #[cfg(unix)]
-pub mod minimize;
+mod minimize;
 mod names;
-pub mod output;
+mod output;
 #[cfg(unix)]
 mod own_files;
 #[cfg(unix)]
-pub mod probe;
+mod probe;
 #[cfg(unix)]
 mod progress;
 mod readers;
-pub mod reference;
-pub mod render;
+mod reference;
+mod render;
 #[cfg(unix)]
-pub mod report;
+mod report;
 #[cfg(unix)]
-pub mod site;
+mod site;
 #[cfg(unix)]
 mod subject;
 mod terminal;
 #[cfg(unix)]
-pub mod texture;
+mod texture;
 
 /// Exit status of a subcommand, or the error that ended it.
 pub type CommandResult = Result<u8, CommandError>;
@@ -77,12 +78,14 @@ pub struct CommandError {
 
 impl CommandError {
     /// Creates an error with an exit status and a message.
+    #[must_use]
     pub fn new(status: u8, message: &str) -> CommandError {
         let message = format!("ptm-conform: {message}");
         CommandError { message, status }
     }
 
     /// Creates an error for a file that is refused.
+    #[must_use]
     pub fn refused(path: &Path, status: u8, message: &str) -> CommandError {
         let message = format!("{}: {message}", path.display());
         CommandError { message, status }

@@ -10,7 +10,7 @@ use serde::Serialize;
 use terminal_size::{Height, Width};
 use textwrap::{Options, WordSeparator, WordSplitter};
 
-use ptm_conform::kit::yaml::to_yaml;
+use crate::kit::yaml::to_yaml;
 
 /// Options common to all commands.
 #[derive(Args)]

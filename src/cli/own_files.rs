@@ -4,11 +4,11 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use ptm_conform::kit::yaml::to_yaml;
-use ptm_conform::protocol::frame::View;
-use ptm_conform::runner::run::{Decoder, Request};
-use ptm_conform::runner::scratch::Scratch;
-use ptm_conform::session::files::{FileResult, FilesReport, check_file};
+use crate::kit::yaml::to_yaml;
+use crate::protocol::frame::View;
+use crate::runner::run::{Decoder, Request};
+use crate::runner::scratch::Scratch;
+use crate::session::files::{FileResult, FilesReport, check_file};
 
 use super::files::{read, with_path, write_atomically};
 use super::guard::check_for_trouble;

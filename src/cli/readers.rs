@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use ptm_conform::kit::yaml;
-use ptm_conform::readers::{
+use crate::kit::yaml;
+use crate::readers::{
     OpenedFile, ReaderPrediction, ReaderProfile, Rendering, parse_profiles, profiles,
 };
-use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection};
+use crate::tools::{convert_for::convert_for, dissection::Dissection};
 
 use super::{files::with_path, names::did_you_mean};
 

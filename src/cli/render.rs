@@ -7,7 +7,7 @@ use image::ImageFormat;
 
 use super::arguments::parse_pair;
 use super::{CommandResult, files, output};
-use ptm_conform::tools::render::{encode_image, normals, render_lit, sheet, upscale};
+use crate::tools::render::{encode_image, normals, render_lit, sheet, upscale};
 
 /// Render a map under one light or under many lights, or render its normals.
 ///
@@ -75,7 +75,7 @@ pub fn run(args: &RenderArgs) -> CommandResult {
         zoom => upscale(&image, zoom.into())?,
     };
     let (output, (width, height)) = (args.output.display(), image.dimensions());
-    files::write_atomically(&args.output, encode_image(image, format)?)?;
+    files::write_atomically(&args.output, encode_image(&image.into(), format)?)?;
     output::print_note(&format!(
         "{output}: {content}, {width} x {height} pixels{hint}\n"
     ));

@@ -7,11 +7,11 @@ use clap::{Args, Subcommand};
 use super::arguments::id_filter;
 use super::ending::{OutputArgs, ReportWriter};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
-use ptm_conform::kit::escape_controls;
-use ptm_conform::report::{Report, badge, github, html, junit};
-use ptm_conform::report::{merge::RecordedAnswers, reported::Reportable};
-use ptm_conform::suite::{cases::Case, name::SuiteName, texture::cases::TextureCase};
-use ptm_conform::writers::{cases::WriterCase, fitting::cases::FitCase};
+use crate::kit::escape_controls;
+use crate::report::{Report, badge, github, html, junit};
+use crate::report::{merge::RecordedAnswers, reported::Reportable, texts::SuiteTexts};
+use crate::suite::{cases::Case, name::SuiteName, texture::cases::TextureCase};
+use crate::writers::{cases::WriterCase, fitting::cases::FitCase};
 
 /// Show, compare, merge and convert reports of check.
 #[derive(Args)]
@@ -140,33 +140,34 @@ pub fn run(args: &ReportArgs) -> CommandResult {
     };
     let reports = reports.iter().map(|file| Report::read(file));
     let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
-    match reports[0].suite {
-        SuiteName::Ptm => convert::<Case>(&args.command, &reports),
-        SuiteName::Texture => convert::<TextureCase>(&args.command, &reports),
-        SuiteName::Writers => convert::<WriterCase>(&args.command, &reports),
-        SuiteName::Fitters => convert::<FitCase>(&args.command, &reports),
-    }
+    let texts = match reports[0].suite {
+        SuiteName::Ptm => SuiteTexts::new(&Case::suite()?),
+        SuiteName::Texture => SuiteTexts::new(&TextureCase::suite()?),
+        SuiteName::Writers => SuiteTexts::new(&WriterCase::suite()?),
+        SuiteName::Fitters => SuiteTexts::new(&FitCase::suite()?),
+    };
+    convert(&args.command, &reports, &texts?)
 }
 
 /// Converts reports on a suite to the requested format, and prints the result or writes it to a file.
-fn convert<C: Reportable>(command: &ReportCommand, reports: &[Report]) -> CommandResult {
-    let (suite, report) = (C::suite()?, &reports[0]);
+fn convert(command: &ReportCommand, reports: &[Report], texts: &SuiteTexts) -> CommandResult {
+    let (report, suite_size) = (&reports[0], texts.purposes.len());
     match command {
         ReportCommand::Junit(args) => args.write(&junit::junit(report)),
         ReportCommand::Badge(args) => args.write(&badge::badge(report)),
-        ReportCommand::Markdown(args) => args.write(&github::summary(report, suite.cases.len())),
+        ReportCommand::Markdown(args) => args.write(&github::summary(report, suite_size)),
         ReportCommand::Html { output, .. } => {
             let page = match reports {
-                [report] => html::page(&suite, report, None),
-                reports => html::matrix(reports, &(C::CLAUSES)()?, suite.cases.len()),
+                [report] => html::page_without_images(texts, report),
+                reports => html::matrix(reports, &texts.clauses, suite_size)?,
             };
-            super::files::write_atomically(output, page?)?;
+            super::files::write_atomically(output, page)?;
             Ok(0)
         }
         ReportCommand::Show { cases, show, .. } => {
             let text = match &cases[..] {
-                [] => report.to_text(&suite, *show),
-                cases => report.cases_to_text(&suite, id_filter(cases)?),
+                [] => report.to_text(texts, *show),
+                cases => report.cases_to_text(texts, id_filter(cases)?),
             };
             if text.is_empty() {
                 let says = "no case in the report matches the pattern";
@@ -181,11 +182,11 @@ fn convert<C: Reportable>(command: &ReportCommand, reports: &[Report]) -> Comman
 
 fn merge<C: Reportable>(args: &MergeArgs) -> CommandResult {
     let suite = C::suite()?;
-    let writer = ReportWriter::new(&suite, &args.report, &args.outputs)?;
+    let writer = ReportWriter::new(SuiteTexts::new(&suite)?, &args.report, &args.outputs)?;
     let answers = RecordedAnswers::read(&suite, &args.parts)?;
     let jobs = super::output::jobs(None)?;
     let (run, report) = super::output::with_progress(|progress| {
         answers.merge(&suite, jobs, &|_, _, done, all| progress(done, all))
     })?;
-    Ok(writer.finish(&run, report)?)
+    Ok(writer.finish(&suite, &run, report)?)
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use ptm_conform::site::build;
+use crate::site::build;
 
 use super::CommandResult;
 use super::files::{read, with_path};

@@ -6,13 +6,13 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use ptm_conform::protocol::frame::{Answer, ViewKind};
-use ptm_conform::report::words::CALLER_COMMAND;
-use ptm_conform::runner::caller::Caller;
-use ptm_conform::runner::run::{Decoder, Reply, Request};
-use ptm_conform::runner::template::Template;
-use ptm_conform::session::outputs::Outputs;
-use ptm_conform::suite::cases::{Case, Expect, Suite};
+use crate::protocol::frame::{Answer, ViewKind};
+use crate::report::words::CALLER_COMMAND;
+use crate::runner::caller::Caller;
+use crate::runner::run::{Decoder, Reply, Request};
+use crate::runner::template::Template;
+use crate::session::outputs::Outputs;
+use crate::suite::cases::{Case, Expect, Suite};
 
 use super::{check_args::CheckArgs, files::with_path};
 

@@ -10,13 +10,13 @@ use super::files::{self, with_path, write_atomically};
 use super::output::print;
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 
-use ptm_conform::kit::yaml::from_yaml;
-use ptm_conform::ptm::Size;
-use ptm_conform::suite::texture::cases::parse_cases;
-use ptm_conform::suite::texture::question::{GivenEntry, Question};
-use ptm_conform::suite::texture::verify::verify;
-use ptm_conform::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
-use ptm_conform::tools::render::{encode_image, rgb};
+use crate::kit::yaml::from_yaml;
+use crate::ptm::Size;
+use crate::suite::texture::cases::parse_cases;
+use crate::suite::texture::question::{GivenEntry, Question};
+use crate::suite::texture::verify::verify;
+use crate::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
+use crate::tools::render::{encode_image, rgb};
 
 /// Texture mapping: check a file of cases, or render a table entry.
 #[derive(Args)]
@@ -183,7 +183,7 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
     let map = match &args.map {
         None => TextureMap::checkerboard(&Rules::SPEC),
         Some(path) => {
-            let ptm = ptm_conform::decode(&files::read(path)?).map_err(with_path(path))?;
+            let ptm = crate::decode(&files::read(path)?).map_err(with_path(path))?;
             let (lu, lv) = args.ptm_light;
             TextureMap::from_ptm(&ptm.coefficients(), lu, lv, Rounding::None, &Rules::SPEC)
         }
@@ -205,7 +205,7 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
     let drawn = preview(&scene, args.size as usize, &Rules::SPEC)
         .map_err(|error| format!("cannot draw these coordinates: {error}"))?;
     let (width, height) = (args.size, args.size);
-    let image = rgb(Size { width, height }, drawn);
-    write_atomically(&args.output, encode_image(image, image::ImageFormat::Png)?)?;
+    let image = rgb(Size { width, height }, drawn).into();
+    write_atomically(&args.output, encode_image(&image, image::ImageFormat::Png)?)?;
     Ok(0)
 }

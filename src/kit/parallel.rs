@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Condvar, Mutex};
 
 /// Calls `work` with every number below `count`, each on a new thread, or on the calling thread if no thread can be started.
-pub(crate) fn run_on_threads(count: usize, work: &(impl Fn(usize) + Sync)) {
+pub(crate) fn run_on_threads(count: usize, work: &(dyn Fn(usize) + Sync)) {
     std::thread::scope(|scope| {
         let is_not_started = |&i: &usize| {
             let thread = std::thread::Builder::new();

@@ -7,7 +7,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::fmt::{self, Write};
 
 use serde::Serialize;
-use similar::{Algorithm, DiffTag, capture_diff_slices};
+use similar::DiffTag;
+use similar::algorithms::{Capture, Replace, myers};
 
 use crate::kit::yaml::to_yaml;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
@@ -208,7 +209,9 @@ fn write_lines(out: &mut String, indent: &str, name: &str, old: &str, new: &str)
         writeln!(out, "{indent}{name}:")?;
     }
     let (old, new): (Vec<&str>, Vec<&str>) = (old.lines().collect(), new.lines().collect());
-    for change in capture_diff_slices(Algorithm::Myers, &old, &new) {
+    let mut changes = Replace::new(Capture::new());
+    let Ok(()) = myers::diff(&mut changes, &*old, 0..old.len(), &*new, 0..new.len());
+    for change in changes.into_inner().into_ops() {
         if change.tag() != DiffTag::Equal {
             for line in &old[change.old_range()] {
                 writeln!(out, "{indent}  - {line}")?;

@@ -160,13 +160,17 @@ pub(crate) fn likely_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     diagnoses: &[Diagnosis<A>],
 ) -> Vec<LikelyCause> {
-    (diagnoses.iter().map(|diagnosis| cause(suite, diagnosis))).collect()
-}
-
-fn cause<C: TestCase, A: 'static>(suite: &Suite<C>, diagnosis: &Diagnosis<A>) -> LikelyCause {
     let ids = |case_indices: &[usize]| -> Vec<String> {
         (case_indices.iter().map(|&i| suite.cases[i].id().to_owned())).collect()
     };
+    (diagnoses.iter().map(|diagnosis| cause(&ids, diagnosis))).collect()
+}
+
+/// Converts a diagnosis. `ids` returns the ids of cases.
+fn cause<A: 'static>(
+    ids: &dyn Fn(&[usize]) -> Vec<String>,
+    diagnosis: &Diagnosis<A>,
+) -> LikelyCause {
     let shown = diagnosis.observed.as_ref();
     let mut cause = named_cause(shown.unwrap_or(&diagnosis.cause));
     if shown.is_none() {

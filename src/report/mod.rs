@@ -16,6 +16,7 @@ pub mod merge;
 pub mod reported;
 pub mod shards;
 pub mod text;
+pub mod texts;
 pub mod words;
 mod yaml;
 

@@ -6,9 +6,10 @@ use std::fmt::{self, Write};
 use crate::kit::last_message::last_message;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
+use crate::report::texts::SuiteTexts;
 use crate::report::words::{call_instructions, details};
 use crate::session::{outcome::Outcome, run::Run};
-use crate::suite::{cases::Suite, test_case::TestCase};
+use crate::suite::test_case::TestCase;
 
 /// Maximum number of example failures for a misreading in the catalog.
 const MAX_MISREADING_EXAMPLES: usize = 2;
@@ -19,11 +20,11 @@ const MAX_OTHER_EXAMPLES: usize = 1;
 impl Report {
     /// Formats the report for a terminal. At most `max_failures` unexplained failures are described in full.
     #[must_use]
-    pub fn to_text<C: TestCase>(&self, suite: &Suite<C>, max_failures: usize) -> String {
+    pub fn to_text(&self, texts: &SuiteTexts, max_failures: usize) -> String {
         let mut text = String::new();
         let page = Page {
             report: self,
-            suite,
+            texts,
             failing: self.with_outcome(Outcome::Fail).collect(),
         };
         let written = page.write(max_failures, &mut text);
@@ -33,14 +34,10 @@ impl Report {
 
     /// Formats the results of the cases whose ids satisfy `is_selected`.
     #[must_use]
-    pub fn cases_to_text<C: TestCase>(
-        &self,
-        suite: &Suite<C>,
-        is_selected: impl Fn(&str) -> bool,
-    ) -> String {
+    pub fn cases_to_text(&self, texts: &SuiteTexts, is_selected: impl Fn(&str) -> bool) -> String {
         let mut text = String::new();
         for case in self.cases.iter().filter(|case| is_selected(&case.id)) {
-            write_case(case, suite, &mut text).expect("writing to memory does not fail");
+            write_case(case, texts, &mut text).expect("writing to memory does not fail");
         }
         text
     }
@@ -105,13 +102,13 @@ fn behavior(cause: &LikelyCause) -> String {
 }
 
 /// Report that is formatted for a terminal.
-struct Page<'a, C: TestCase> {
+struct Page<'a> {
     report: &'a Report,
-    suite: &'a Suite<C>,
+    texts: &'a SuiteTexts,
     failing: Vec<&'a CaseResult>,
 }
 
-impl<C: TestCase> Page<'_, C> {
+impl Page<'_> {
     fn write(&self, max_failures: usize, out: &mut String) -> fmt::Result {
         if let Some(reason) = &self.report.reason {
             let command = &self.report.decoder.command;
@@ -187,10 +184,8 @@ impl<C: TestCase> Page<'_, C> {
     fn write_failure(&self, case: &CaseResult, out: &mut String) -> fmt::Result {
         writeln!(out, "  FAIL {}  ({})", case.id, case.clauses.join(", "))?;
         writeln!(out, "    {}: {}", case.view, case.message)?;
-        if let Some(case) = self.suite.case(&case.id) {
-            for line in case.because().lines() {
-                writeln!(out, "    {line}")?;
-            }
+        for line in self.texts.purpose(&case.id).unwrap_or_default().lines() {
+            writeln!(out, "    {line}")?;
         }
         match last_message(&case.stderr) {
             Some(line) => writeln!(out, "    last line of its standard error: {line}"),
@@ -208,7 +203,7 @@ impl<C: TestCase> Page<'_, C> {
             let unsupported = report.decoder.unsupported.join(", ");
             writeln!(out, "unsupported (exit status 69): {unsupported}")?;
         }
-        let (judged, all) = (report.cases.len(), self.suite.cases.len());
+        let (judged, all) = (report.cases.len(), self.texts.purposes.len());
         let selection = match judged < all {
             true => format!(" ({judged} of {all} cases selected)"),
             false => String::new(),
@@ -234,8 +229,8 @@ impl<C: TestCase> Page<'_, C> {
     /// Writes how many open questions the decoder reads as the reference does, and how it reads the rest.
     fn write_dialect(&self, out: &mut String) -> fmt::Result {
         let of_reference = |known: &&FollowedReading| {
-            let mut choices = C::CHOICES.iter();
-            choices.any(|one| one.ruling == known.ruling && one.readings[0].0 == known.reading)
+            let reading = (&*known.ruling, &*known.reading);
+            self.texts.reference_readings.contains(&reading)
         };
         let (alike, others): (Vec<_>, Vec<_>) = self.report.dialect.iter().partition(of_reference);
         let has_alike = !alike.is_empty();
@@ -281,14 +276,12 @@ fn capitalize(text: &str) -> String {
     first.chain(letters).collect()
 }
 
-fn write_case<C: TestCase>(case: &CaseResult, suite: &Suite<C>, out: &mut String) -> fmt::Result {
+fn write_case(case: &CaseResult, texts: &SuiteTexts, out: &mut String) -> fmt::Result {
     let weak = if case.weak { ", weakly" } else { "" };
     let CaseResult { id, outcome, .. } = case;
     writeln!(out, "{id}: {outcome}{weak}  ({})", case.clauses.join(", "))?;
-    if let Some(case) = suite.case(id) {
-        for line in case.because().lines() {
-            writeln!(out, "  {line}")?;
-        }
+    for line in texts.purpose(id).unwrap_or_default().lines() {
+        writeln!(out, "  {line}")?;
     }
     match case.view.as_str() {
         "" => writeln!(out, "  expected: {}", case.expect)?,

@@ -18,7 +18,7 @@ const SEPARATOR_GRAY: Luma<u8> = Luma([128]);
 
 /// Renders a map under a light as an embedded image. `alt` is the alternative text.
 pub(super) fn render_map(map: &Coefficients, (lu, lv): (f64, f64), alt: &str) -> Markup {
-    embed_image(subsample(&render_lit(map, lu, lv)), alt)
+    embed_image(&subsample(&render_lit(map, lu, lv)).into(), alt)
 }
 
 /// Renders a frame as an embedded image: colors directly, and other views as planes side by side.
@@ -33,7 +33,7 @@ pub(super) fn render_frame(frame: &Frame, alt: &str) -> Option<Markup> {
     }
     if frame.view == ViewKind::Rgb {
         let image = RgbImage::from_raw(width, height, samples.clone())?;
-        return Some(embed_image(subsample(&image), alt));
+        return Some(embed_image(&subsample(&image).into(), alt));
     }
     let plane = |channel: u32| {
         let samples = samples.iter().skip(channel as usize);
@@ -46,7 +46,7 @@ pub(super) fn render_frame(frame: &Frame, alt: &str) -> Option<Markup> {
     for (plane, x) in planes.iter().zip((0..).step_by(side as usize + 1)) {
         imageops::replace(&mut joined, plane, x, 0);
     }
-    Some(embed_image(joined, alt))
+    Some(embed_image(&joined.into(), alt))
 }
 
 /// Subsamples an image whose sides exceed [`MAX_SIDE`].
@@ -57,8 +57,7 @@ fn subsample<P: Pixel<Subpixel = u8>>(image: &ImageBuffer<P, Vec<u8>>) -> ImageB
     ImageBuffer::from_fn(width.div_ceil(step), height.div_ceil(step), texel)
 }
 
-fn embed_image(image: impl Into<DynamicImage>, alt: &str) -> Markup {
-    let image = image.into();
+fn embed_image(image: &DynamicImage, alt: &str) -> Markup {
     let (width, height) = image.dimensions();
     let scale = (MAX_DISPLAYED_SIDE / width.max(height)).max(1);
     let png = encode_image(image, ImageFormat::Png).expect("the image is small enough to encode");

@@ -293,7 +293,7 @@ fn encode_answer(
 ) -> Result<Vec<(&'static str, Vec<u8>)>, String> {
     let (size, channels) = (expected.size, expected.channels);
     let png =
-        |image: DynamicImage| Ok::<_, String>(("png", encode_image(image, ImageFormat::Png)?));
+        |image: DynamicImage| Ok::<_, String>(("png", encode_image(&image, ImageFormat::Png)?));
     let values = &expected.values;
     let floats = ("npy", npy_floats(values, size, channels));
     let rounded = values.iter().map(|value| value.round() as u8);

@@ -141,8 +141,8 @@ pub fn rgb(size: Size, samples: Vec<u8>) -> RgbImage {
 ///
 /// # Errors
 /// Returns an error if the image is too large for the format.
-pub fn encode_image(image: impl Into<DynamicImage>, kind: ImageFormat) -> Result<Vec<u8>, String> {
-    let (image, mut out) = (image.into(), Cursor::new(Vec::new()));
+pub fn encode_image(image: &DynamicImage, kind: ImageFormat) -> Result<Vec<u8>, String> {
+    let mut out = Cursor::new(Vec::new());
     let result = match kind {
         ImageFormat::Pnm => {
             // The default is the newer variant P7, which few programs read.
@@ -229,8 +229,8 @@ mod tests {
     #[test]
     fn image_is_encoded_in_every_file_format() {
         use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
-        let image = RgbImage::from_pixel(1, 1, Rgb([7; 3]));
-        let file = |format| encode_image(image.clone(), format).expect("a small image");
+        let image = RgbImage::from_pixel(1, 1, Rgb([7; 3])).into();
+        let file = |format| encode_image(&image, format).expect("a small image");
         assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1 255\n\x07\x07\x07");
         for format in [Png, Tiff, Bmp, WebP, Jpeg] {
             let read = image::load_from_memory_with_format(&file(format), format);

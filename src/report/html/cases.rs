@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::report::html::evidence::standard_error;
 use crate::report::html::shell::{link, mark};
-use crate::report::reported::Reportable;
+use crate::report::{reported::Reportable, texts::SuiteTexts};
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::{cases::Suite, name::SuiteName};
 
@@ -55,15 +55,17 @@ pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
     groups
 }
 
+/// Rendered evidence, by id of the case.
+pub(super) type Evidence<'a> = HashMap<&'a str, Markup>;
+
 /// Returns evidence for as many failing cases as fit in [`MAX_EVIDENCE_BYTES`]: the first case of every group, then the
 /// second of every group, and so on.
 pub(super) fn evidence<'a, C: Reportable>(
     suite: &Suite<C>,
-    run: Option<&Run<C>>,
+    run: &Run<C>,
     groups: &[Group<'a>],
-) -> HashMap<&'a str, Markup> {
+) -> Evidence<'a> {
     let mut evidence = HashMap::new();
-    let Some(run) = run else { return evidence };
     let mut observed = HashMap::new();
     for (case, observation) in suite.cases.iter().zip(&run.observations) {
         observed.insert(case.id(), (case, observation));
@@ -87,16 +89,17 @@ pub(super) fn evidence<'a, C: Reportable>(
 }
 
 /// Renders the section of failing cases and the filter for all cases.
-pub(super) fn failures<C: Reportable>(
-    suite: &Suite<C>,
+pub(super) fn failures(
+    texts: &SuiteTexts,
     report: &Report,
     groups: &[Group],
-    has_images: bool,
-    evidence: &HashMap<&str, Markup>,
+    evidence: Option<&Evidence>,
 ) -> Markup {
     let card = |case: &CaseResult, open: bool| {
-        card(suite, report, case, evidence.get(case.id.as_str()), open)
+        let shown = evidence.and_then(|evidence| evidence.get(case.id.as_str()));
+        card(texts, report, case, shown, open)
     };
+    let shown = evidence.map(HashMap::len);
     let failures = groups.iter().map(|group| group.cases.len()).sum::<usize>();
     html! {
         section aria-labelledby="cases" {
@@ -108,11 +111,11 @@ pub(super) fn failures<C: Reportable>(
                 button #open type="button" { "Open all" }
                 button #close type="button" { "Close all" }
             }
-            @if failures > 0 && !has_images {
+            @if failures > 0 && shown.is_none() {
                 p.note { "This page was generated from a YAML report, which contains no images. Use “ptm-conform check --html” for a page with images." }
-            } @else if evidence.len() < failures {
+            } @else if let Some(shown) = shown && shown < failures {
                 p.note {
-                    "Images and bytes are shown for " (evidence.len()) " of " (failures)
+                    "Images and bytes are shown for " (shown) " of " (failures)
                     " failures, beginning with one failure for each cause; a page contains at most " (MAX_EVIDENCE_BYTES / 1000) " kB of them."
                 }
             }
@@ -134,14 +137,14 @@ pub(super) fn failures<C: Reportable>(
 }
 
 /// Renders the card of a failing case.
-fn card<C: Reportable>(
-    suite: &Suite<C>,
+fn card(
+    texts: &SuiteTexts,
     report: &Report,
     case: &CaseResult,
     evidence: Option<&Markup>,
     open: bool,
 ) -> Markup {
-    let says = &case.message;
+    let (says, purpose) = (&case.message, texts.purpose(&case.id));
     // The last part of the message names the affected part of the image; the evidence contains the texel.
     let short = says.rsplit("; ").next().unwrap_or_default();
     let long = match (evidence, says.split_once("texel (")) {
@@ -157,7 +160,7 @@ fn card<C: Reportable>(
                 span.says { @if report.is_known(case) { span.chip { "known" } " " } (short) }
             }
             div.body {
-                @if let Some(known) = suite.case(&case.id) { p.because { (known.because()) } }
+                @if let Some(purpose) = purpose { p.because { (purpose) } }
                 p.clauses { "Clauses " (clauses(report.suite, &case.clauses)) }
                 p {
                     "Requested: " code { @if case.view.is_empty() { "nothing" } @else { (case.view) } } ", expected: " (case.expect) ". Result: "
@@ -171,7 +174,7 @@ fn card<C: Reportable>(
                 pre.command tabindex="0" { (repeat_command(report, &case.id)) }
                 p.quiet {
                     code { "ptm-conform explain " (case.id) }
-                    @if suite.case(&case.id).is_some() && report.suite.case_page(&case.id).is_some() { " · " (link(report.suite.case_page(&case.id), &html! { "its page" })) }
+                    @if purpose.is_some() && report.suite.case_page(&case.id).is_some() { " · " (link(report.suite.case_page(&case.id), &html! { "its page" })) }
                 }
             }
         }

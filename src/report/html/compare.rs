@@ -1,6 +1,8 @@
 //! Color images side by side: the expected one, the received one, and the difference between the two. The script of the page adds
 //! a third image with a movable divider: expected on the left, received on the right.
 
+use std::io::Cursor;
+
 use data_encoding::BASE64;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
@@ -47,9 +49,9 @@ impl ComparedImages<'_> {
 }
 
 pub(super) fn png_data_url(width: usize, height: usize, rgba: &[u8]) -> String {
-    let mut bytes = Vec::new();
-    PngEncoder::new_with_quality(&mut bytes, CompressionType::Best, FilterType::Adaptive)
+    let mut png = Cursor::new(Vec::new());
+    PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive)
         .write_image(rgba, width as u32, height as u32, ExtendedColorType::Rgba8)
         .expect("there are four bytes for each pixel");
-    format!("data:image/png;base64,{}", BASE64.encode(&bytes))
+    format!("data:image/png;base64,{}", BASE64.encode(png.get_ref()))
 }

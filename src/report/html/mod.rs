@@ -20,5 +20,5 @@ pub(crate) use clause_map::ClauseTally;
 #[cfg(feature = "cli")]
 pub(crate) use evidence::{download, number, standard_error};
 pub use matrix::matrix;
-pub use page::page;
+pub use page::{page, page_without_images};
 pub use shell::STYLE;

@@ -3,47 +3,60 @@
 use maud::{Markup, html};
 
 use crate::report::document::{CaseResult, Report};
-use crate::report::html::cases::{evidence, failures, groups};
+use crate::report::html::cases::{Evidence, evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
 use crate::report::html::shell::{complete_page, link, mark, verdict_mark};
 use crate::report::html::{clause_map, scene};
-use crate::report::reported::Reportable;
+use crate::report::{reported::Reportable, texts::SuiteTexts};
 use crate::session::{lit_scene::LitScene, outcome::Outcome, run::Run, scores::Fraction};
 use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
 
-/// Renders the page of a report. Images are included if `run` is `Some`.
-///
-/// # Errors
-/// Returns an error if the embedded clauses or rulings cannot be read.
+/// Renders the page of a report, with images of the responses.
+#[must_use]
 pub fn page<C: Reportable>(
     suite: &Suite<C>,
+    texts: &SuiteTexts,
     report: &Report,
-    run: Option<&Run<C>>,
-) -> Result<String, String> {
-    let (clauses, rulings) = ((C::CLAUSES)()?, (C::RULINGS)()?);
+    run: &Run<C>,
+) -> String {
+    let evidence = evidence(suite, run, &groups(report));
+    page_with(texts, report, Some(&evidence), run.scene.as_ref())
+}
+
+/// Renders the page of a report without images.
+#[must_use]
+pub fn page_without_images(texts: &SuiteTexts, report: &Report) -> String {
+    page_with(texts, report, None, None)
+}
+
+fn page_with(
+    texts: &SuiteTexts,
+    report: &Report,
+    evidence: Option<&Evidence>,
+    scene: Option<&LitScene>,
+) -> String {
     let groups = groups(report);
-    let evidence = evidence(suite, run, &groups);
     let (command, verdict) = (&report.decoder.command, &report.verdict);
     let title = format!("{command}: {verdict} — {}", report.suite.short_title());
     let body = html! {
-        (header(suite, report, run.and_then(|run| run.scene.as_ref())))
+        (header(texts, report, scene))
         main {
             @if report.reason.is_some() {
                 (next_steps(report))
-            } @else { (diagnosis(report, &groups, &clauses)) }
+            } @else { (diagnosis(report, &groups, &texts.clauses)) }
             @if !report.cases.is_empty() {
-                (failures(suite, report, &groups, run.is_some(), &evidence))
-                (clause_map::section(report, &clauses))
-                (dialect(report, &rulings))
+                (failures(texts, report, &groups, evidence))
+                (clause_map::section(report, &texts.clauses))
+                (dialect(report, &texts.rulings))
                 (other_cases(report))
             }
             (footer(report))
         }
     };
-    Ok(complete_page(&title, &body))
+    complete_page(&title, &body)
 }
 
-fn header<C: Reportable>(suite: &Suite<C>, report: &Report, scene: Option<&LitScene>) -> Markup {
+fn header(texts: &SuiteTexts, report: &Report, scene: Option<&LitScene>) -> Markup {
     html! {
         header.top {
             div.bar {
@@ -63,15 +76,15 @@ fn header<C: Reportable>(suite: &Suite<C>, report: &Report, scene: Option<&LitSc
             @for remark in &report.remarks {
                 p.remark data-failure[remark.failure] { b { @if remark.failure { "✗ Fails: " } @else { "Note: " } } (remark.message) }
             }
-            @if !report.cases.is_empty() { (results(suite, report)) }
+            @if !report.cases.is_empty() { (results(texts, report)) }
             @if let Some(scene) = scene { (scene::figure(scene)) }
         }
     }
 }
 
 /// Renders the scores and the number of cases with each outcome.
-fn results<C: Reportable>(suite: &Suite<C>, report: &Report) -> Markup {
-    let selected = report.cases.len();
+fn results(texts: &SuiteTexts, report: &Report) -> Markup {
+    let (selected, all) = (report.cases.len(), texts.purposes.len());
     html! {
         dl.scores {
             (score("Correctness", report.scores.correctness, "passed cases among the judged cases that the decoder supports"))
@@ -90,7 +103,7 @@ fn results<C: Reportable>(suite: &Suite<C>, report: &Report) -> Markup {
             @if let Some(baseline) = &report.baseline {
                 span.quiet { (baseline.known.len()) " known failures, " (baseline.new.len()) " new failures, " (baseline.stale.len()) " fixed" } " "
             }
-            @if selected < suite.cases.len() { span.quiet { (selected) " of " (suite.cases.len()) " cases were selected" } }
+            @if selected < all { span.quiet { (selected) " of " (all) " cases were selected" } }
         }
     }
 }

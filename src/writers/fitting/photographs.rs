@@ -74,8 +74,8 @@ impl Photograph {
     /// Panics if the number of pixels does not match `size`.
     #[must_use]
     pub fn png(&self, size: Size) -> Vec<u8> {
-        let image = rgb(size, self.pixels.clone());
-        encode_image(image, ImageFormat::Png).expect("the image is small")
+        let image = rgb(size, self.pixels.clone()).into();
+        encode_image(&image, ImageFormat::Png).expect("the image is small")
     }
 }
 

@@ -11,6 +11,7 @@ use ptm_conform::diagnose::{Category, diagnose};
 use ptm_conform::misreadings;
 use ptm_conform::protocol::frame::{Answer, Samples, ViewKind};
 use ptm_conform::report::{Report, badge, github, html, junit};
+use ptm_conform::report::{reported::Reportable, texts::SuiteTexts};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::session::{lit_scene, outcome::Outcome, plan::RunPlan};
@@ -46,6 +47,14 @@ fn run_upside_down() -> &'static (Suite, Run, Report) {
     &RUN
 }
 
+fn texts<C: Reportable>(suite: &Suite<C>) -> SuiteTexts {
+    SuiteTexts::new(suite).expect("the texts can be read")
+}
+
+fn render<C: Reportable>(suite: &Suite<C>, report: &Report, run: &Run<C>) -> String {
+    html::page(suite, &texts(suite), report, run)
+}
+
 fn matrix(reports: &[Report]) -> Result<String, String> {
     html::matrix(
         reports,
@@ -68,7 +77,7 @@ fn save_page(name: &str, text: &str) {
 #[test]
 fn large_pages_are_complete_small_and_self_contained() {
     let (suite, run, report) = run_upside_down();
-    let page = html::page(suite, report, Some(run)).expect("a page");
+    let page = render(suite, report, run);
     save_page("failures.html", &page);
     let count = failures(report);
     assert!(count >= 200, "{count}");
@@ -88,7 +97,7 @@ fn large_pages_are_complete_small_and_self_contained() {
     for address in "http: //cdn @import url( fetch( XMLHttpRequest".split(' ') {
         assert!(!page.contains(address), "{address}");
     }
-    let again = html::page(suite, report, Some(run)).expect("a page");
+    let again = render(suite, report, run);
     assert!(page == again);
 }
 
@@ -96,8 +105,8 @@ fn large_pages_are_complete_small_and_self_contained() {
 fn decoder_output_is_escaped() {
     let (suite, run, report) = run_misreading("v-negated");
     for page in [
-        html::page(&suite, &report, Some(&run)).expect("a page"),
-        html::page(&suite, &report, None).expect("a page"),
+        render(&suite, &report, &run),
+        html::page_without_images(&texts(&suite), &report),
         matrix(&[report.clone(), report.clone()]).expect("a page"),
     ] {
         assert_eq!(page.matches("<script").count(), 1, "only one script");
@@ -105,14 +114,14 @@ fn decoder_output_is_escaped() {
         assert!(!page.contains("<b>decoder"));
         assert!(page.contains("default-src 'none'"));
     }
-    let page = html::page(&suite, &report, Some(&run)).expect("a page");
+    let page = render(&suite, &report, &run);
     assert!(page.contains("&lt;script&gt;document.title"));
 }
 
 #[test]
 fn images_contain_the_generated_samples() {
     let (suite, run, report) = run_upside_down();
-    let page = html::page(suite, report, Some(run)).expect("a page");
+    let page = render(suite, report, run);
     let mut compared = 0;
     for part in page.split("<details class=\"case\" id=\"case-").skip(1) {
         let id = part.split('"').next().expect("an id");
@@ -160,7 +169,7 @@ fn five_thousand_cases_fit_on_a_page() {
         case.id = format!("{}-again-{i}", case.id);
         report.cases.push(case);
     }
-    let page = html::page(suite, &report, Some(run)).expect("a page");
+    let page = render(suite, &report, run);
     save_page("many.html", &page);
     assert_eq!(report.cases.len(), 5000);
     assert!(failures(&report) > 2000);
@@ -202,7 +211,7 @@ fn crashes_are_not_misreadings() {
     cause.kind = Some(Category::Violation);
     cause.effect = "crashes on two files".to_owned();
     cause.example = Some("for example first-rgb: It crashes.".to_owned());
-    let page = html::page(suite, &report, None).expect("a page");
+    let page = html::page_without_images(&texts(suite), &report);
     assert!(page.contains("<p>For example first-rgb: It crashes.</p>"));
     assert!(!page.contains("<p class=\"rule\">"));
     assert!(!page.contains(" data-blamed "));
@@ -247,7 +256,7 @@ fn badge_shows_three_scores_in_140_pixels() {
 #[test]
 fn failing_cases_have_a_file_and_a_command() {
     let (suite, run, report) = run_upside_down();
-    let page = html::page(suite, report, Some(run)).expect("a page");
+    let page = render(suite, report, run);
     let mut files = 0;
     for part in page.split("<details class=\"case\" id=\"case-").skip(1) {
         let id = part.split('"').next().expect("an id");
@@ -292,7 +301,7 @@ fn colors_are_explained_with_their_arithmetic() {
     let mut run = check(&suite, &plan, &halve_red, &|_, _, _, _| ());
     run.scene = lit_scene::request(&run.offer, &run.judgment.decoded, &halve_red);
     let report = Report::new(&suite, &run, &["viewer".to_owned()], Vec::new());
-    let page = html::page(&suite, &report, Some(&run)).expect("a page");
+    let page = render(&suite, &report, &run);
     save_page("colors.html", &page);
     assert!(
         page.contains("<figure class=\"scene\">") && page.contains("The scene is for illustration")
@@ -310,7 +319,7 @@ fn page_of_a_non_decoder_names_the_next_step() {
     report.reason = Some("no first file was <b>decoded</b>".to_owned());
     report.cases.clear();
     report.diagnoses.clear();
-    let page = html::page(suite, &report, None).expect("a page");
+    let page = html::page_without_images(&texts(suite), &report);
     save_page("no-decoder.html", &page);
     for words in [
         "What to do next",
@@ -337,7 +346,7 @@ fn page_of_a_texture_stage_contains_the_questions() {
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let report = Report::new(&suite, &run, &["stage".to_owned()], Vec::new());
-    let page = html::page(&suite, &report, Some(&run)).expect("a page");
+    let page = render(&suite, &report, &run);
     save_page("texture.html", &page);
     let failing = failures(&report);
     assert!(failing > 0);

@@ -3,7 +3,7 @@
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
 use ptm_conform::report::Report;
-use ptm_conform::report::{html, junit};
+use ptm_conform::report::{html, junit, texts::SuiteTexts};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::{Outcome, ResponseKind, outcome};
 use ptm_conform::session::plan::{Repeat, RunPlan};
@@ -198,8 +198,9 @@ fn three_hangs_end_a_run_for_any_number_of_jobs() {
         let command = ["decoder".to_owned()];
         let report = Report::new(&suite, &run, &command, vec!["none".to_owned()]);
         let xml = junit::junit(&report);
-        let page = html::page(&suite, &report, Some(&run)).expect("a page");
-        let text = report.to_text(&suite, 10);
+        let texts = SuiteTexts::new(&suite).expect("the texts can be read");
+        let page = html::page(&suite, &texts, &report, &run);
+        let text = report.to_text(&texts, 10);
         for (form, text) in [("text", &text), ("JUnit", &xml), ("HTML", &page)] {
             let why = "the run ended early: the decoder hung on three legal files in a row; ";
             let count = format!("{} cases were not run", not_run.len());
