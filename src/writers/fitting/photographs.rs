@@ -1,9 +1,10 @@
 //! Photographs of an object, and the `.lp` file that lists them with their lights.
 
 use std::fs;
+use std::io::Cursor;
 use std::path::Path;
 
-use image::ImageFormat;
+use image::{ImageFormat, ImageReader};
 use serde::{Deserialize, Serialize};
 
 use crate::ptm::{Format, Size};
@@ -133,7 +134,11 @@ fn read_photograph(line: &str, base: &Path, size: &mut Option<Size>) -> Result<P
     let name = words.next().ok_or_else(invalid)?.trim();
     let with_name = |error: &dyn std::fmt::Display| format!("{name}: {error}");
     let bytes = fs::read(base.join(name)).map_err(|error| with_name(&error))?;
-    let image = image::load_from_memory(&bytes).map_err(|error| with_name(&error))?;
+    // The same type of reader as in `protocol::image_file`, so that the decoders are compiled once.
+    let mut cursor = Cursor::new(&*bytes);
+    let reader = ImageReader::new(&mut cursor).with_guessed_format();
+    let reader = reader.map_err(|error| with_name(&error))?;
+    let image = reader.decode().map_err(|error| with_name(&error))?;
     let (width, height) = (image.width(), image.height());
     let actual = Size { width, height };
     if *size.get_or_insert(actual) != actual {
