@@ -4,17 +4,6 @@ use std::process::ExitCode;
 
 use clap::{CommandFactory, Parser, Subcommand};
 
-#[cfg(not(unix))]
-use crate::cli::elsewhere;
-#[cfg(unix)]
-use crate::cli::{
-    check, check_args, check_writer, coverage, fuzz, guard, minimize, probe, report, site, texture,
-};
-use crate::cli::{
-    completions, convert, diff, example, explain, export, generate, inspect, lint, output,
-    reference, render,
-};
-
 /// Conformance suite and reference decoder for Polynomial Texture Maps (PTM 1.2).
 #[derive(Parser)]
 #[command(
@@ -25,7 +14,7 @@ use crate::cli::{
 )]
 struct Cli {
     #[command(flatten)]
-    global: output::GlobalArgs,
+    global: super::output::GlobalArgs,
     #[command(subcommand)]
     command: Command,
 }
@@ -33,38 +22,38 @@ struct Cli {
 #[derive(Subcommand)]
 enum Command {
     #[cfg(unix)]
-    Probe(probe::ProbeArgs),
+    Probe(super::probe::ProbeArgs),
     #[cfg(unix)]
-    Check(check_args::CheckArgs),
+    Check(super::check_args::CheckArgs),
     #[cfg(not(unix))]
-    Check(elsewhere::UnsupportedArgs),
+    Check(super::elsewhere::UnsupportedArgs),
     #[cfg(unix)]
-    CheckWriter(check_writer::CheckWriterArgs),
-    Reference(reference::Args),
-    Example(example::ExampleArgs),
-    Generate(generate::GenerateArgs),
-    Explain(explain::ExplainArgs),
+    CheckWriter(super::check_writer::CheckWriterArgs),
+    Reference(super::reference::Args),
+    Example(super::example::ExampleArgs),
+    Generate(super::generate::GenerateArgs),
+    Explain(super::explain::ExplainArgs),
     #[cfg(unix)]
-    Fuzz(fuzz::FuzzArgs),
+    Fuzz(super::fuzz::FuzzArgs),
     #[cfg(unix)]
     #[command(name = "minimize", alias = "minimise")]
-    Minimize(minimize::MinimizeArgs),
-    Inspect(inspect::InspectArgs),
-    Lint(lint::LintArgs),
-    Render(render::RenderArgs),
-    Export(export::ExportArgs),
-    Convert(convert::ConvertArgs),
-    Diff(diff::DiffArgs),
-    Completions(completions::CompletionsArgs),
-    Man(completions::ManArgs),
+    Minimize(super::minimize::MinimizeArgs),
+    Inspect(super::inspect::InspectArgs),
+    Lint(super::lint::LintArgs),
+    Render(super::render::RenderArgs),
+    Export(super::export::ExportArgs),
+    Convert(super::convert::ConvertArgs),
+    Diff(super::diff::DiffArgs),
+    Completions(super::completions::CompletionsArgs),
+    Man(super::completions::ManArgs),
     #[cfg(unix)]
-    Texture(texture::TextureArgs),
+    Texture(super::texture::TextureArgs),
     #[cfg(unix)]
-    Site(site::SiteArgs),
+    Site(super::site::SiteArgs),
     #[cfg(unix)]
-    Report(report::ReportArgs),
+    Report(super::report::ReportArgs),
     #[cfg(unix)]
-    Coverage(coverage::CoverageArgs),
+    Coverage(super::coverage::CoverageArgs),
     /// When standard input ends, kills all processes that RUN left or that run in DIRECTORIES, and removes the
     /// directories.
     #[cfg(unix)]
@@ -76,51 +65,50 @@ enum Command {
 }
 
 /// Runs the subcommand on the command line of this process, and returns its exit status.
-#[must_use]
 pub fn run() -> ExitCode {
     #[cfg(unix)]
-    guard::override_signal_dispositions();
+    super::guard::override_signal_dispositions();
     let cli = Cli::parse();
     cli.global.apply();
     let outcome = match cli.command {
         #[cfg(unix)]
-        Command::Check(args) => check::run(&args),
+        Command::Check(args) => super::check::run(&args),
         #[cfg(not(unix))]
-        Command::Check(args) => elsewhere::run(&args),
+        Command::Check(args) => super::elsewhere::run(&args),
         #[cfg(unix)]
-        Command::CheckWriter(args) => check_writer::run(&args),
-        Command::Reference(args) => reference::run(&args),
-        Command::Example(args) => Ok(example::run(&args)),
-        Command::Generate(args) => generate::run(&args),
-        Command::Explain(args) => explain::run(&args),
+        Command::CheckWriter(args) => super::check_writer::run(&args),
+        Command::Reference(args) => super::reference::run(&args),
+        Command::Example(args) => Ok(super::example::run(&args)),
+        Command::Generate(args) => super::generate::run(&args),
+        Command::Explain(args) => super::explain::run(&args),
         #[cfg(unix)]
-        Command::Fuzz(args) => fuzz::run(&args),
+        Command::Fuzz(args) => super::fuzz::run(&args),
         #[cfg(unix)]
-        Command::Minimize(args) => minimize::run(&args),
-        Command::Inspect(args) => inspect::run(&args),
-        Command::Lint(args) => lint::run(&args),
-        Command::Render(args) => render::run(&args),
-        Command::Export(args) => export::run(&args),
-        Command::Convert(args) => convert::run(&args),
-        Command::Diff(args) => diff::run(&args),
-        Command::Completions(args) => Ok(completions::run(&args, Cli::command())),
-        Command::Man(args) => completions::run_man(&args, &Cli::command()),
+        Command::Minimize(args) => super::minimize::run(&args),
+        Command::Inspect(args) => super::inspect::run(&args),
+        Command::Lint(args) => super::lint::run(&args),
+        Command::Render(args) => super::render::run(&args),
+        Command::Export(args) => super::export::run(&args),
+        Command::Convert(args) => super::convert::run(&args),
+        Command::Diff(args) => super::diff::run(&args),
+        Command::Completions(args) => Ok(super::completions::run(&args, Cli::command())),
+        Command::Man(args) => super::completions::run_man(&args, &Cli::command()),
         #[cfg(unix)]
-        Command::Texture(args) => texture::run(&args),
+        Command::Texture(args) => super::texture::run(&args),
         #[cfg(unix)]
-        Command::Site(args) => site::run(&args),
+        Command::Site(args) => super::site::run(&args),
         #[cfg(unix)]
-        Command::Report(args) => report::run(&args),
+        Command::Report(args) => super::report::run(&args),
         #[cfg(unix)]
-        Command::Probe(args) => probe::run(&args),
+        Command::Probe(args) => super::probe::run(&args),
         #[cfg(unix)]
-        Command::Coverage(args) => coverage::run(&args),
+        Command::Coverage(args) => super::coverage::run(&args),
         #[cfg(unix)]
-        Command::Watch { run, directories } => Ok(guard::watch(run, &directories)),
+        Command::Watch { run, directories } => Ok(super::guard::watch(run, &directories)),
     };
     outcome.map_or_else(
         |failed| {
-            output::print_error(&failed.message);
+            super::output::print_error(&failed.message);
             ExitCode::from(failed.status)
         },
         ExitCode::from,

@@ -66,10 +66,10 @@ mod terminal;
 mod texture;
 
 /// Exit status of a subcommand, or the error that ended it.
-pub type CommandResult = Result<u8, CommandError>;
+pub(crate) type CommandResult = Result<u8, CommandError>;
 
 /// Error that ends a subcommand.
-pub struct CommandError {
+pub(crate) struct CommandError {
     /// Message for standard error.
     pub message: String,
     /// Exit status of the process.
@@ -78,14 +78,12 @@ pub struct CommandError {
 
 impl CommandError {
     /// Creates an error with an exit status and a message.
-    #[must_use]
     pub fn new(status: u8, message: &str) -> CommandError {
         let message = format!("ptm-conform: {message}");
         CommandError { message, status }
     }
 
     /// Creates an error for a file that is refused.
-    #[must_use]
     pub fn refused(path: &Path, status: u8, message: &str) -> CommandError {
         let message = format!("{}: {message}", path.display());
         CommandError { message, status }

@@ -148,8 +148,7 @@ impl Expression {
     }
 
     /// Returns a copy of the expression in which the child at `index` is replaced.
-    #[must_use]
-    pub fn with_child(&self, index: usize, child: Expression) -> Expression {
+    pub(crate) fn with_child(&self, index: usize, child: Expression) -> Expression {
         let mut changed = self.clone();
         match &mut changed {
             Expression::Number(_) | Expression::Variable(_) => {}

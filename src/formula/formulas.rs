@@ -144,8 +144,7 @@ impl Formula {
     }
 
     /// Returns true if decoding a file in this format may use the formula.
-    #[must_use]
-    pub fn is_used_by(self, format: Format) -> bool {
+    pub(crate) fn is_used_by(self, format: Format) -> bool {
         let channels = format.channels();
         match self {
             Formula::Color => channels == 9,
@@ -163,8 +162,7 @@ impl Formula {
     }
 
     /// Returns true if an edit of the formula may address bytes outside the data, in which case the decoder refuses the file.
-    #[must_use]
-    pub fn may_refuse(self) -> bool {
+    pub(crate) fn may_refuse(self) -> bool {
         let addresses = [
             Formula::RgbSample..=Formula::Reference,
             Formula::DisplacedX..=Formula::DisplacedY,
@@ -175,8 +173,7 @@ impl Formula {
     }
 
     /// Returns the formula with this name, if any.
-    #[must_use]
-    pub fn from_name(name: &str) -> Option<Formula> {
+    pub(crate) fn from_name(name: &str) -> Option<Formula> {
         let row = Formula::ALL.iter().find(|row| row.1 == name);
         row.map(|row| row.0)
     }

@@ -3,8 +3,15 @@
 /// Prefixes of lines that interpreters print after the message: locations, versions and hints.
 const TRAILER_PREFIXES: [&str; 4] = ["at ", "Node.js v", "note: ", "}"];
 
+/// Returns `separator` and a sentence with the last message on standard error, or an empty string if there is no message.
+pub(crate) fn quote_last_message(separator: &str, stderr: &str) -> String {
+    last_message(stderr).map_or(String::new(), |line| {
+        format!("{separator}last line of its standard error: {line}")
+    })
+}
+
 /// Returns the last line of standard error that looks like a message, if any.
-pub(crate) fn last_message(stderr: &str) -> Option<&str> {
+fn last_message(stderr: &str) -> Option<&str> {
     let lines = stderr.lines().rev().map(str::trim_end);
     let mut messages = lines.filter(|line| !line.is_empty());
     let is_trailer = |line: &&str| {

@@ -19,8 +19,7 @@ macro_rules! embedded {
 pub(crate) use embedded;
 
 /// Returns the message of an error without the error number of the operating system.
-#[must_use]
-pub fn strip_os_error_code(error: &dyn std::fmt::Display) -> String {
+pub(crate) fn strip_os_error_code(error: &dyn std::fmt::Display) -> String {
     let text = error.to_string();
     let (message, _) = text.split_once(" (os error").unwrap_or((&text, ""));
     message.to_owned()

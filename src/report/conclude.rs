@@ -65,8 +65,7 @@ pub fn first_causes<C: TestCase, A: 'static>(
 }
 
 /// Adds the causes that `search` finds to a report, and a remark if the search panicked or was interrupted.
-#[must_use]
-pub fn add_causes<C: TestCase, A: 'static>(
+pub(crate) fn add_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     run: &Run<C>,
     report: Report,

@@ -158,8 +158,7 @@ pub struct CaseResult {
 
 impl LikelyCause {
     /// Returns true if the cause is a misread clause, as opposed to a crash or nondeterministic answers.
-    #[must_use]
-    pub fn blames_clause(&self) -> bool {
+    pub(crate) fn blames_clause(&self) -> bool {
         !matches!(
             self.kind,
             Some(Category::Violation | Category::Nondeterminism)
@@ -205,8 +204,7 @@ impl Report {
     }
 
     /// Returns the first cause that reproduces this failure, or else the first cause that partly explains it.
-    #[must_use]
-    pub fn cause_of(&self, case: &CaseResult) -> Option<&LikelyCause> {
+    pub(crate) fn cause_of(&self, case: &CaseResult) -> Option<&LikelyCause> {
         let find_in = |cases: fn(&LikelyCause) -> &[String]| {
             let mut causes = self.diagnoses.iter();
             causes.find(|cause| cases(cause).contains(&case.id))

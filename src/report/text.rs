@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::{self, Write};
 
-use crate::kit::last_message::last_message;
+use crate::kit::last_message::quote_last_message;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
 use crate::report::texts::SuiteTexts;
@@ -184,13 +184,10 @@ impl Page<'_> {
     fn write_failure(&self, case: &CaseResult, out: &mut String) -> fmt::Result {
         writeln!(out, "  FAIL {}  ({})", case.id, case.clauses.join(", "))?;
         writeln!(out, "    {}: {}", case.view, case.message)?;
-        for line in self.texts.purpose(&case.id).unwrap_or_default().lines() {
-            writeln!(out, "    {line}")?;
-        }
-        match last_message(&case.stderr) {
-            Some(line) => writeln!(out, "    last line of its standard error: {line}"),
-            None => Ok(()),
-        }
+        let purpose = self.texts.purpose(&case.id).unwrap_or_default();
+        let last = quote_last_message("", &case.stderr);
+        let mut lines = purpose.lines().chain(last.lines());
+        lines.try_for_each(|line| writeln!(out, "    {line}"))
     }
 
     /// Writes the dialect, the counts and the scores.

@@ -33,8 +33,7 @@ impl SuiteTexts {
     }
 
     /// Returns the purpose of a case, in one or more lines, or `None` if the suite does not contain the case.
-    #[must_use]
-    pub fn purpose(&self, id: &str) -> Option<&str> {
+    pub(crate) fn purpose(&self, id: &str) -> Option<&str> {
         let mut cases = self.purposes.iter();
         let case = cases.find(|(case, _)| case == id);
         case.map(|(_, purpose)| purpose.as_str())

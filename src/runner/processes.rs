@@ -26,8 +26,7 @@ static STARTED_PROCESSES: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 static START_LOCK: RwLock<()> = RwLock::new(());
 
 /// Returns true if the system allows measuring memory and finding orphans.
-#[must_use]
-pub fn can_inspect_processes() -> bool {
+pub(crate) fn can_inspect_processes() -> bool {
     let this = std::process::id();
     Path::new(&format!("/proc/self/task/{this}/children")).exists()
 }

@@ -126,8 +126,7 @@ impl<T> From<Answer<T>> for Reply<T> {
 
 impl<T> Reply<T> {
     /// Returns true if the reply is a refusal with an exit status that has other meanings as well.
-    #[must_use]
-    pub fn is_ambiguous_refusal(&self) -> bool {
+    pub(crate) fn is_ambiguous_refusal(&self) -> bool {
         matches!(self.answer, Answer::Rejected)
             && self.exit.is_some_and(|exit| exit != EXIT_MALFORMED)
     }

@@ -137,8 +137,7 @@ impl<'a> Servers<'a> {
     }
 
     /// Returns true if serve mode is disabled because the first requests received no answer.
-    #[must_use]
-    pub fn is_serve_mode_disabled(&self) -> bool {
+    pub(crate) fn is_serve_mode_disabled(&self) -> bool {
         self.unanswered_count.load(Ordering::Relaxed) >= MAX_UNANSWERED_REQUESTS
     }
 }

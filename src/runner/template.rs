@@ -101,8 +101,7 @@ impl Template {
     }
 
     /// Creates a template from the words of `command`. A word that equals a placeholder becomes that placeholder.
-    #[must_use]
-    pub fn from_words(command: &[OsString]) -> Template {
+    pub(crate) fn from_words(command: &[OsString]) -> Template {
         let piece = |word: &OsString| match word.to_str() {
             Some("{in}") => TemplatePiece::In,
             Some("{out}") => TemplatePiece::Out(String::new()),
@@ -115,8 +114,7 @@ impl Template {
     }
 
     /// Returns true if the command line contains the view, which means that a call can request any view.
-    #[must_use]
-    pub fn has_view(&self) -> bool {
+    pub(crate) fn has_view(&self) -> bool {
         self.pieces().any(|piece| *piece == TemplatePiece::View)
     }
 

@@ -61,8 +61,7 @@ impl<'a, C: TestCase> Session<'a, C> {
     }
 
     /// Returns true if no more requests will be sent.
-    #[must_use]
-    pub fn is_over(&self) -> bool {
+    pub(crate) fn is_over(&self) -> bool {
         self.end_reason().is_some()
     }
 

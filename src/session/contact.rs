@@ -91,8 +91,7 @@ pub struct Contact<C: TestCase = Case> {
 
 impl<C: TestCase> Contact<C> {
     /// Returns true if cases can be requested.
-    #[must_use]
-    pub fn is_ready(&self) -> bool {
+    pub(crate) fn is_ready(&self) -> bool {
         self.not_a_decoder.is_none() && self.end_reason.is_none()
     }
 }

@@ -85,8 +85,7 @@ impl<C: TestCase> Response<C> {
     }
 
     /// Returns the image if it differs from the reference's.
-    #[must_use]
-    pub const fn wrong_image(&self) -> Option<&C::Output> {
+    pub(crate) const fn wrong_image(&self) -> Option<&C::Output> {
         match self {
             Response::Image { frame, .. } => frame.as_ref(),
             _ => None,
@@ -94,8 +93,7 @@ impl<C: TestCase> Response<C> {
     }
 
     /// Describes the response.
-    #[must_use]
-    pub fn describe(&self) -> String {
+    pub(crate) fn describe(&self) -> String {
         match self {
             Response::Image { difference, .. } => match difference {
                 Some(difference) => format!("a wrong image ({difference})"),

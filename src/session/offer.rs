@@ -39,8 +39,7 @@ impl<C: TestCase> Offer<C> {
     }
 
     /// Returns the first view of the case that is offered for this kind of case, or else the first that is offered at all.
-    #[must_use]
-    pub fn chosen_view<'a>(&self, case: &'a C) -> Option<&'a C::View> {
+    pub(crate) fn chosen_view<'a>(&self, case: &'a C) -> Option<&'a C::View> {
         let offered = |view: &&C::View| self.views.contains(&C::view_name(view));
         let mut views = case.views().iter().filter(offered);
         let first = views.clone().next();
@@ -48,8 +47,7 @@ impl<C: TestCase> Offer<C> {
     }
 
     /// Returns true if the case breaks the offer: its kind is declared but unsupported, and the answer to it was 69.
-    #[must_use]
-    pub fn is_broken_by(
+    pub(crate) fn is_broken_by(
         &self,
         case: &C,
         observation: &Observation<C>,

@@ -105,8 +105,7 @@ impl RunPlan {
     }
 
     /// Returns the plan for a decoder with these capabilities.
-    #[must_use]
-    pub fn with_capabilities(self, capabilities: &Capabilities) -> RunPlan {
+    pub(crate) fn with_capabilities(self, capabilities: &Capabilities) -> RunPlan {
         let formats = capabilities.formats.iter().flatten();
         let views = capabilities.views.iter().flatten();
         RunPlan {

@@ -70,8 +70,7 @@ impl<C: TestCase> Session<'_, C> {
     /// Returns the indices of the cases to request in two lists: the prioritized cases, and the others. The lists contain
     /// selected cases and their twins, but no case that is withheld or whose views are not offered. Both lists are empty if
     /// nothing can be requested.
-    #[must_use]
-    pub fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
+    pub(crate) fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
         let (suite, plan) = (self.suite, self.plan);
         let withheld = plan.withheld_in(suite, contact.table);
         let (mut wanted, mut soonest) = (plan.selected.clone(), plan.prioritized.clone());

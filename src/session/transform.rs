@@ -34,8 +34,7 @@ fn is_explained_by(undo: &UndoneTransform<Case>, (reply, frame): &FirstImage) ->
 }
 
 /// Returns, for each view, the change that explains nearly all wrong images of the first files, if there is one.
-#[must_use]
-pub fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
+pub(crate) fn common_transforms(suite: &Suite, contact: &Contact) -> Vec<CommonTransform> {
     let replies = contact.replies(suite);
     let decoded = |reply| Some((reply, FirstReply::frame(reply)?));
     let decoded: Vec<FirstImage> = replies.iter().filter_map(decoded).collect();

@@ -13,8 +13,7 @@ const CHAPTERS: [&str; 12] = [
 ];
 
 /// Returns the address of a page on the published site.
-#[must_use]
-pub fn published_url(page: &str) -> String {
+pub(crate) fn published_url(page: &str) -> String {
     format!("{SITE}{page}")
 }
 

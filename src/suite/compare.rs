@@ -74,8 +74,7 @@ impl Expected {
     }
 
     /// Returns the samples of `file` in `view` under another reading, or `None` if the file is refused under that reading.
-    #[must_use]
-    pub fn from_file(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
+    pub(crate) fn from_file(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
         let ptm = decode_as(file, reading, &Limits::default()).ok()?;
         let values = view.values(&ptm, reading, Edits(&[]));
         Some(Expected::exact(view.kind(), ptm.header.size, values))

@@ -70,8 +70,7 @@ impl<R> Choices<R> {
     }
 
     /// Returns every combination of readings of `axes`, the reference's first. The last axis changes fastest.
-    #[must_use]
-    pub fn combinations(&self, axes: &[Axis]) -> Vec<Dialect> {
+    pub(crate) fn combinations(&self, axes: &[Axis]) -> Vec<Dialect> {
         axes.iter().fold(vec![self.reference()], |all, &axis| {
             let each = |dialect: &Dialect| -> Vec<Dialect> {
                 let taking = |reading| {
@@ -86,8 +85,7 @@ impl<R> Choices<R> {
     }
 
     /// Returns the index of a dialect in [`Choices::combinations`] of `axes`.
-    #[must_use]
-    pub fn combination_index(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
+    pub(crate) fn combination_index(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
         let step = |place, &axis: &Axis| place * self[axis].readings.len() + dialect.0[axis];
         axes.iter().fold(0, step)
     }

@@ -154,8 +154,7 @@ impl<'a> Dissection<'a> {
     }
 
     /// Returns the number of planes if the file is compressed, or 0 otherwise.
-    #[must_use]
-    pub fn compressed_planes(&self) -> usize {
+    pub(crate) fn compressed_planes(&self) -> usize {
         let format = self.format.filter(|format| format.coding().is_some());
         format.map_or(0, Format::channels)
     }
@@ -186,8 +185,7 @@ impl<'a> Dissection<'a> {
     }
 
     /// Returns the whitespace between the part with index `i` and the next part.
-    #[must_use]
-    pub fn gap_after(&self, i: usize) -> &'a [u8] {
+    pub(crate) fn gap_after(&self, i: usize) -> &'a [u8] {
         let start = self.parts[i].range().end;
         let in_header = || !self.parts.iter().any(|part| part.role.is_payload());
         let length = match (self.parts.get(i + 1), &self.file[start..]) {
@@ -300,8 +298,7 @@ pub(crate) fn index_values(bytes: &[u8], width: usize) -> impl Iterator<Item = u
 
 impl Role {
     /// Returns true if parts with this role follow the text of the header.
-    #[must_use]
-    pub const fn is_payload(self) -> bool {
+    pub(crate) const fn is_payload(self) -> bool {
         matches!(
             self,
             Role::Table | Role::Indices | Role::Block(_) | Role::Stream(_) | Role::Side(_)

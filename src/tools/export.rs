@@ -69,14 +69,12 @@ pub fn encode_exr(
 }
 
 /// Encodes bytes as an NPY array of height × width × channels, top row first.
-#[must_use]
-pub fn npy_bytes(values: &[u8], size: Size, channels: usize) -> Vec<u8> {
+pub(crate) fn npy_bytes(values: &[u8], size: Size, channels: usize) -> Vec<u8> {
     [&npy_header("|u1", size, channels), values].concat()
 }
 
 /// Encodes values as an NPY array of 32-bit floats, height × width × channels, top row first.
-#[must_use]
-pub fn npy_floats(values: &[f64], size: Size, channels: usize) -> Vec<u8> {
+pub(crate) fn npy_floats(values: &[f64], size: Size, channels: usize) -> Vec<u8> {
     let mut bytes = npy_header("<f4", size, channels);
     let values = values.iter().map(|&value| value as f32);
     bytes.extend(values.flat_map(f32::to_le_bytes));
@@ -98,8 +96,7 @@ fn npy_header(kind: &str, size: Size, channels: usize) -> Vec<u8> {
 ///
 /// # Panics
 /// Panics if the number of samples does not match the size.
-#[must_use]
-pub fn stacked_planes(samples: &[u8], size: Size, channels: usize) -> GrayImage {
+pub(crate) fn stacked_planes(samples: &[u8], size: Size, channels: usize) -> GrayImage {
     let plane = |channel: usize| samples.iter().skip(channel).step_by(channels).copied();
     let stacked = (0..channels).flat_map(plane).collect();
     let image = GrayImage::from_raw(size.width, size.height * channels as u32, stacked);

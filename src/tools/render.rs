@@ -21,8 +21,7 @@ const MAX_IMAGE_BYTES: u64 = 1 << 30;
 const RIM_RADIUS: f64 = 0.9;
 
 /// Renders a map under one light.
-#[must_use]
-pub fn render_lit(coefficients: &Coefficients, lu: f64, lv: f64) -> RgbImage {
+pub(crate) fn render_lit(coefficients: &Coefficients, lu: f64, lv: f64) -> RgbImage {
     rgb(coefficients.size, coefficients.evaluate(lu, lv).to_bytes())
 }
 

@@ -13,8 +13,7 @@ pub const VALUES: [&str; 10] = [
 ];
 
 /// Requests the file of a case. The timeout is multiplied by `timeout_factor`.
-#[must_use]
-pub fn request_file<V: RequestValues>(
+pub(crate) fn request_file<V: RequestValues>(
     writer: &Decoder,
     case: &FileCase<V>,
     timeout_factor: u32,

@@ -1,6 +1,6 @@
 //! Checklist for authors of writers: one request per format, and the fault of each file.
 
-use crate::kit::last_message::last_message;
+use crate::kit::last_message::quote_last_message;
 use crate::misreadings::writing;
 use crate::protocol::frame::Answer;
 use crate::runner::run::{Decoder, Reply};
@@ -82,7 +82,6 @@ fn explain_answer(reply: &Reply<WrittenFile>) -> (String, &'static str) {
         _ => "run the writer by hand from another directory",
     };
     let problem = reply.answer.violation().unwrap_or(reply.answer.name());
-    let last = last_message(&reply.stderr);
-    let last = last.map(|line| format!("\nlast line of its standard error: {line}"));
-    (format!("{problem}{}", last.unwrap_or_default()), next)
+    let last = quote_last_message("\n", &reply.stderr);
+    (format!("{problem}{last}"), next)
 }

@@ -5,7 +5,7 @@ use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
 use crate::diagnose::scope::{format_sets, shared_scope};
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
 use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
-use crate::kit::last_message::last_message;
+use crate::kit::last_message::quote_last_message;
 use crate::misreadings::{Misreading, Symptom};
 use crate::ptm::Format;
 use crate::suite::cases::Expect;
@@ -259,8 +259,6 @@ pub(in crate::diagnose) fn example(witnesses: &[Witness], indices: &[usize]) -> 
         .expect("a diagnosis explains at least one case");
     let stderr = &smallest.observation.stderr;
     let because = smallest.case.because.trim_end_matches('.');
-    let message = last_message(stderr).map_or(String::new(), |line| {
-        format!("; last line of its standard error: {line}")
-    });
+    let message = quote_last_message("; ", stderr);
     format!("for example {}: {because}{message}", smallest.case.id)
 }

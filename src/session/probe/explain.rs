@@ -1,18 +1,10 @@
 //! Explanations of answers that are not frames.
 
-use crate::kit::last_message::last_message;
+use crate::kit::last_message::quote_last_message;
 use crate::protocol::frame::Answer;
 use crate::runner::run::Reply;
 
 use super::message::{ProbeFault, Slots, fault};
-
-/// Returns a new line that contains a label and the last line of the decoder's standard error. Returns an empty string if there
-/// is none.
-fn last_stderr_line(reply: &Reply) -> String {
-    last_message(&reply.stderr).map_or(String::new(), |line| {
-        format!("\nlast line of its standard error: {line}")
-    })
-}
 
 pub(super) fn explain(reply: &Reply) -> ProbeFault {
     let size = reply.stdout.len();
@@ -37,7 +29,8 @@ pub(super) fn explain(reply: &Reply) -> ProbeFault {
         Answer::Tampered(_) => "changed-input",
         Answer::NotStarted(_) | Answer::NotAsked(_) | Answer::Decoded(_) => "by-hand",
     };
-    let (answer, stderr) = (reply.answer.describe(), last_stderr_line(reply));
+    let stderr = quote_last_message("\n", &reply.stderr);
+    let answer = reply.answer.describe();
     let step = buffer_size(reply).unwrap_or_default();
     let slots: &Slots = &[("size", &size), ("step", &step)];
     let slots = [slots, &[("answer", &answer), ("stderr", &stderr)]].concat();
@@ -59,8 +52,8 @@ pub(super) fn refusal_fault(reply: &Reply) -> ProbeFault {
         (Answer::Unsupported, _) => fault("unsupported-malformed", &[]),
         (Answer::ProtocolError(what), _) => fault("silent-malformed", &[("what", what)]),
         (Answer::Crashed(_), Some(status)) => {
-            let slots: &Slots = &[("status", &status), ("stderr", &last_stderr_line(reply))];
-            fault("crash-malformed", slots)
+            let stderr = quote_last_message("\n", &reply.stderr);
+            fault("crash-malformed", &[("status", &status), ("stderr", &stderr)])
         }
         _ => explain(reply),
     }

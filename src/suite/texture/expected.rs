@@ -11,8 +11,7 @@ use crate::texture::Rules;
 
 impl TextureCase {
     /// Returns true if the question is outside the valid range and must be refused.
-    #[must_use]
-    pub fn must_be_refused(&self) -> bool {
+    pub(crate) fn must_be_refused(&self) -> bool {
         self.expect.get("error").is_some()
     }
 

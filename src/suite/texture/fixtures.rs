@@ -15,8 +15,7 @@ static MAPS: LazyLock<BTreeMap<String, Value>> = LazyLock::new(|| {
 });
 
 /// Replaces the names of maps in `given` with the maps, and removes the fields that select a reading.
-#[must_use]
-pub fn expand_maps(given: &Value) -> Value {
+pub(crate) fn expand_maps(given: &Value) -> Value {
     match given {
         Value::Object(fields) => {
             let is_sent = |(name, _): &(&String, _)| !READING_FIELDS.contains(&name.as_str());

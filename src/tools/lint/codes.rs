@@ -154,8 +154,7 @@ impl Code {
     }
 
     /// Returns true if the damage with this name or the case with this id triggers the code.
-    #[must_use]
-    pub fn is_triggered_by(&self, damage_or_case: &str) -> bool {
+    pub(crate) fn is_triggered_by(&self, damage_or_case: &str) -> bool {
         self.provoked_by.iter().any(|name| name == damage_or_case)
     }
 

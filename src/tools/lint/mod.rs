@@ -97,8 +97,7 @@ impl Lint {
     }
 
     /// Creates the result for a file that was not read, with the reason.
-    #[must_use]
-    pub fn unread(name: &str, bytes: Option<u64>, reason: Option<String>) -> Lint {
+    pub(crate) fn unread(name: &str, bytes: Option<u64>, reason: Option<String>) -> Lint {
         Lint {
             file: name.to_owned(),
             bytes,

@@ -30,8 +30,7 @@ fn is_control_character(character: char) -> bool {
 }
 
 /// Converts a name to the path of a URI. All bytes except unreserved characters and separators are percent-encoded.
-#[must_use]
-pub fn as_uri(name: &OsStr) -> String {
+pub(crate) fn as_uri(name: &OsStr) -> String {
     let mut out = String::new();
     let bytes = name.as_encoded_bytes();
     if bytes.starts_with(b"/") {

@@ -31,8 +31,7 @@ pub enum ImageSource {
 
 impl Suite<FitCase> {
     /// Creates a suite with the generated photographs and, optionally, the user's photographs.
-    #[must_use]
-    pub fn load_fitter_requests(user_set: Option<&ImageSet>) -> Suite<FitCase> {
+    pub(crate) fn load_fitter_requests(user_set: Option<&ImageSet>) -> Suite<FitCase> {
         let generated = SETS.iter().map(ImageSource::Generated);
         let sources = generated.chain(user_set.cloned().map(ImageSource::Provided));
         let cases = sources.flat_map(|source| {
