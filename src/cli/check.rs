@@ -18,7 +18,6 @@ use crate::misreadings;
 use crate::protocol::capabilities::Capabilities;
 use crate::report::reported::find_misreadings;
 use crate::report::shards::{Circumstances, OtherRemarks};
-use crate::report::texts::SuiteTexts;
 use crate::runner::{processes, run::Request, scratch::Scratch, serve::Servers};
 use crate::session::contact::Contact;
 use crate::session::plan::{Repeat, RunPlan};
@@ -90,8 +89,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         assumed: args.assumed.clone(),
         limits: args.limits(serves),
     };
-    let texts = SuiteTexts::new(&suite)?;
-    let writer = ReportWriter::new(texts, &args.run.report, &args.output)?;
+    let writer = ReportWriter::new(&suite, &args.run.report, &args.output)?;
     let mut check = Check::new(&suite, &plan, circumstances, writer, args.shard)?;
     if !serves && args.cmd.is_none() {
         check.speed_hint = SERVE_MODE_IS_FASTER;

@@ -17,7 +17,7 @@ use crate::report::reported::Reportable;
 use crate::report::shards::{
     AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
 };
-use crate::report::{text::first_causes_to_text, texts::SuiteTexts};
+use crate::report::text::first_causes_to_text;
 use crate::runner::run::{Decoder, Request};
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::run::{Observations, Run, Session};
@@ -249,7 +249,7 @@ impl ProgramRun<'_> {
             stop: Arc::clone(&self.program.stop),
             ..RunPlan::new(suite, jobs(self.args.calls.jobs)?)
         };
-        let writer = ReportWriter::new(SuiteTexts::new(suite)?, &self.args.report, self.output)?;
+        let writer = ReportWriter::new(suite, &self.args.report, self.output)?;
         let circumstances = Circumstances {
             command: self.words.to_vec(),
             limits: self.limits,

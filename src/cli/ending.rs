@@ -9,8 +9,10 @@ use clap::Args;
 use super::files::{check_writable, with_path, write_atomically};
 use super::output::{print, print_error};
 use super::terminal::print_styled;
-use crate::report::baseline::{Baseline, BaselineComparison};
-use crate::report::{Report, reported::Reportable, texts::SuiteTexts};
+use crate::report::{
+    Report, baseline::Baseline, document::BaselineComparison, reported::Reportable,
+    texts::SuiteTexts,
+};
 use crate::report::{github, html, junit};
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
@@ -81,11 +83,12 @@ pub struct ReportWriter<'a> {
 
 impl<'a> ReportWriter<'a> {
     /// Creates a writer and reads the baseline, if one is given.
-    pub fn new(
-        texts: SuiteTexts,
+    pub fn new<C: Reportable>(
+        suite: &Suite<C>,
         path: &'a Path,
         args: &'a OutputArgs,
     ) -> Result<ReportWriter<'a>, String> {
+        let texts = SuiteTexts::new(suite)?;
         let known = args.baseline.as_ref();
         let known = known.map(|path| Baseline::read(path, &texts)).transpose()?;
         Ok(ReportWriter {

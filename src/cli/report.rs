@@ -182,7 +182,7 @@ fn convert(command: &ReportCommand, reports: &[Report], texts: &SuiteTexts) -> C
 
 fn merge<C: Reportable>(args: &MergeArgs) -> CommandResult {
     let suite = C::suite()?;
-    let writer = ReportWriter::new(SuiteTexts::new(&suite)?, &args.report, &args.outputs)?;
+    let writer = ReportWriter::new(&suite, &args.report, &args.outputs)?;
     let answers = RecordedAnswers::read(&suite, &args.parts)?;
     let jobs = super::output::jobs(None)?;
     let (run, report) = super::output::with_progress(|progress| {

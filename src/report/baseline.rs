@@ -15,7 +15,8 @@ use std::path::Path;
 use serde::{Deserialize, Serialize};
 
 use crate::kit::yaml::{read_text, records, to_yaml};
-use crate::report::{document::Report, texts::SuiteTexts};
+use crate::report::document::{BaselineComparison, Report};
+use crate::report::texts::SuiteTexts;
 use crate::session::outcome::Outcome;
 
 /// Known failures: case ids with optional reasons.
@@ -29,17 +30,6 @@ struct KnownFailure {
     id: String,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     reason: Option<String>,
-}
-
-/// Result of comparing a report with a baseline: case ids in suite order.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-pub struct BaselineComparison {
-    /// Cases that are listed and fail.
-    pub known: Vec<String>,
-    /// Cases that fail and are not listed.
-    pub new: Vec<String>,
-    /// Cases that are listed but pass.
-    pub stale: Vec<String>,
 }
 
 impl Baseline {

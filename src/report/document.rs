@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::diagnose::Category;
 use crate::kit::{digest::sha256, yaml::to_yaml};
-use crate::report::{baseline::BaselineComparison, leniency::Leniency};
+use crate::report::leniency::Leniency;
 use crate::session::{outcome::Outcome, remark::Remark, scores::Scores};
 use crate::suite::name::SuiteName;
 
@@ -95,6 +95,17 @@ pub struct FollowedReading {
     /// The first few cases that demonstrate the reading.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub shown_by: Vec<String>,
+}
+
+/// Result of comparing a report with a baseline: case ids in suite order.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct BaselineComparison {
+    /// Cases that are listed and fail.
+    pub known: Vec<String>,
+    /// Cases that fail and are not listed.
+    pub new: Vec<String>,
+    /// Cases that are listed but pass.
+    pub stale: Vec<String>,
 }
 
 /// Likely cause of failures.

@@ -56,7 +56,7 @@ pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
 }
 
 /// Rendered evidence, by id of the case.
-pub(super) type Evidence<'a> = HashMap<&'a str, Markup>;
+pub(super) type EvidenceMarkup<'a> = HashMap<&'a str, Markup>;
 
 /// Returns evidence for as many failing cases as fit in [`MAX_EVIDENCE_BYTES`]: the first case of every group, then the
 /// second of every group, and so on.
@@ -64,7 +64,7 @@ pub(super) fn evidence<'a, C: Reportable>(
     suite: &Suite<C>,
     run: &Run<C>,
     groups: &[Group<'a>],
-) -> Evidence<'a> {
+) -> EvidenceMarkup<'a> {
     let mut evidence = HashMap::new();
     let mut observed = HashMap::new();
     for (case, observation) in suite.cases.iter().zip(&run.observations) {
@@ -93,7 +93,7 @@ pub(super) fn failures(
     texts: &SuiteTexts,
     report: &Report,
     groups: &[Group],
-    evidence: Option<&Evidence>,
+    evidence: Option<&EvidenceMarkup>,
 ) -> Markup {
     let card = |case: &CaseResult, open: bool| {
         let shown = evidence.and_then(|evidence| evidence.get(case.id.as_str()));

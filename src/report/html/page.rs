@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::document::{CaseResult, Report};
-use crate::report::html::cases::{Evidence, evidence, failures, groups};
+use crate::report::html::cases::{EvidenceMarkup, evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
 use crate::report::html::shell::{complete_page, link, mark, verdict_mark};
 use crate::report::html::{clause_map, scene};
@@ -32,7 +32,7 @@ pub fn page_without_images(texts: &SuiteTexts, report: &Report) -> String {
 fn page_with(
     texts: &SuiteTexts,
     report: &Report,
-    evidence: Option<&Evidence>,
+    evidence: Option<&EvidenceMarkup>,
     scene: Option<&LitScene>,
 ) -> String {
     let groups = groups(report);

@@ -134,7 +134,7 @@ fn read_photograph(line: &str, base: &Path, size: &mut Option<Size>) -> Result<P
     let name = words.next().ok_or_else(invalid)?.trim();
     let with_name = |error: &dyn std::fmt::Display| format!("{name}: {error}");
     let bytes = fs::read(base.join(name)).map_err(|error| with_name(&error))?;
-    // The same type of reader as in `protocol::image_file`, so that the decoders are compiled once.
+    // With the reader type of `protocol::image_file`, the image decoders are compiled once.
     let mut cursor = Cursor::new(&*bytes);
     let reader = ImageReader::new(&mut cursor).with_guessed_format();
     let reader = reader.map_err(|error| with_name(&error))?;

@@ -17,9 +17,7 @@ use ptm_conform::session::run::{Run, check};
 use ptm_conform::session::{lit_scene, outcome::Outcome, plan::RunPlan};
 use ptm_conform::suite::address::SITE;
 use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::{
-    clauses, name::SuiteName, texture::test_case::TextureView, values::Values,
-};
+use ptm_conform::suite::{name::SuiteName, texture::test_case::TextureView, values::Values};
 use ptm_conform::texture::Rules;
 
 /// Output of a hostile decoder.
@@ -56,11 +54,8 @@ fn render<C: Reportable>(suite: &Suite<C>, report: &Report, run: &Run<C>) -> Str
 }
 
 fn matrix(reports: &[Report]) -> Result<String, String> {
-    html::matrix(
-        reports,
-        &clauses::clauses()?,
-        run_upside_down().0.cases.len(),
-    )
+    let texts = texts(&run_upside_down().0);
+    html::matrix(reports, &texts.clauses, texts.purposes.len())
 }
 
 fn failures(report: &Report) -> usize {

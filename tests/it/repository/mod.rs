@@ -28,11 +28,8 @@ pub fn files_below(directory: &Path) -> Vec<PathBuf> {
 /// Returns the contents of all files in a directory and its subdirectories, keyed by relative path.
 pub fn tree(directory: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let file = |path: PathBuf| {
-        let name = path
-            .strip_prefix(directory)
-            .expect("a path below")
-            .to_owned();
-        (name, fs::read(path).expect("a file"))
+        let name = path.strip_prefix(directory).expect("a path below");
+        (name.to_owned(), fs::read(&path).expect("a file"))
     };
     files_below(directory).into_iter().map(file).collect()
 }
@@ -53,10 +50,8 @@ pub fn item_length(tokens: &[TokenTree]) -> usize {
         is_punct(token, ';')
             || matches!(token, TokenTree::Group(group) if group.delimiter() == Delimiter::Brace)
     };
-    tokens
-        .iter()
-        .position(ends)
-        .map_or(tokens.len(), |end| end + 1)
+    let end = tokens.iter().position(ends);
+    end.map_or(tokens.len(), |end| end + 1)
 }
 
 /// Returns true if `token` is the punctuation character `wanted`.

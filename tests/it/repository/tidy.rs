@@ -191,11 +191,9 @@ fn visit_top_level(tokens: TokenStream, visit: &mut dyn FnMut(&[TokenTree])) {
         }
         // `#[…]` or `#![…]`
         if is_punct(&tokens[at], '#') {
-            at += tokens[at..]
-                .iter()
-                .take_while(|token| matches!(token, TokenTree::Punct(_)))
-                .count()
-                + 1;
+            let rest = tokens[at..].iter();
+            let marks = rest.take_while(|token| matches!(token, TokenTree::Punct(_)));
+            at += marks.count() + 1;
             continue;
         }
         visit(&tokens[at..]);
