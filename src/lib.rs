@@ -32,8 +32,9 @@
 //! - `tools` (feature `tools`): inspects, checks, renders and converts files.
 //! - `writers` (feature `cli`): the suite for programs that write files.
 //! - `site` (feature `cli`): the website, which explains the format clause by clause.
+//! - `cli` (feature `cli`): the subcommands of the program.
 //!
-//! The modules of the harness and of the program are hidden here. They are public only for the program and its tests,
+//! The modules of the harness and of the program are hidden here. They are public only for the program, tests and benchmarks,
 //! and may change without notice. Use `protocol` and `misreadings` (feature `harness`) to write a decoder that makes
 //! mistakes on purpose, as in `examples/misread.rs`.
 //!

@@ -23,15 +23,10 @@ pub fn parse_refusal(text: &str) -> Result<i32, String> {
 /// Parses a number of bytes, optionally followed by the suffix K, M or G.
 pub fn parse_size(text: &str) -> Result<u64, String> {
     let digits = text.trim_end_matches(['K', 'M', 'G']);
-    let shift = match &text[digits.len()..] {
-        "" => Some(0),
-        "K" => Some(10),
-        "M" => Some(20),
-        "G" => Some(30),
-        _ => None,
-    };
+    let mut units = ["", "K", "M", "G"].into_iter();
+    let power = units.position(|unit| unit == &text[digits.len()..]);
     let size = digits.parse::<u64>().ok().filter(|&size| size > 0);
-    let bytes = size.and_then(|size| size.checked_mul(1 << shift?));
+    let bytes = size.and_then(|size| size.checked_mul(1 << (10 * power?)));
     bytes.ok_or_else(|| format!("expected a size such as 500M or 2G, found {text:?}"))
 }
 

@@ -121,7 +121,13 @@ impl<'a> ReportWriter<'a> {
         if let Some(why) = run.ended_early {
             print_error(&format!("ptm-conform: {why}"));
         }
-        self.print(&report);
+        let text = report.to_text(&self.texts, self.args.show);
+        // A GitHub runner would interpret some output of a decoder as commands.
+        print_styled(&match self.args.github {
+            true => github::quote_commands(&text),
+            false => text,
+        });
+        print(&format!("report: {}\n", self.path.display()));
         if let Some(path) = &self.args.html {
             write_atomically(path, html::page(suite, &self.texts, &report, run))?;
             print(&format!("page: {}\n", path.display()));
@@ -139,16 +145,7 @@ impl<'a> ReportWriter<'a> {
         })
     }
 
-    fn print(&self, report: &Report) {
-        let text = report.to_text(&self.texts, self.args.show);
-        // A GitHub runner would interpret some output of a decoder as commands.
-        print_styled(&match self.args.github {
-            true => github::quote_commands(&text),
-            false => text,
-        });
-        print(&format!("report: {}\n", self.path.display()));
-    }
-
+    /// Writes all formats except YAML, text and HTML.
     fn write_other_formats(&self, report: &Report) -> Result<(), String> {
         if let Some(path) = &self.args.junit {
             write_atomically(path, junit::junit(report))?;

@@ -98,4 +98,4 @@ impl From<String> for CommandError {
 }
 
 /// Exit status of a command that selects no case or file.
-pub const EXIT_NOTHING_SELECTED: u8 = 5;
+pub(crate) const EXIT_NOTHING_SELECTED: u8 = 5;

@@ -6,11 +6,7 @@ pub fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> Str
     let wanted = name.to_lowercase();
     let similarity = |name: &str| {
         let (name, is_long) = (name.to_lowercase(), wanted.len() >= 4);
-        let least = if is_long && name.contains(&wanted) {
-            0.9
-        } else {
-            0.0
-        };
+        let least = [0.0, 0.9][usize::from(is_long && name.contains(&wanted))];
         strsim::jaro_winkler(&wanted, &name).max(least)
     };
     let mut near: Vec<(f64, &str)> = known.map(|name| (similarity(name), name)).collect();

@@ -141,12 +141,12 @@ pub fn run(args: &ReportArgs) -> CommandResult {
     let reports = reports.iter().map(|file| Report::read(file));
     let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
     let texts = match reports[0].suite {
-        SuiteName::Ptm => SuiteTexts::new(&Case::suite()?),
-        SuiteName::Texture => SuiteTexts::new(&TextureCase::suite()?),
-        SuiteName::Writers => SuiteTexts::new(&WriterCase::suite()?),
-        SuiteName::Fitters => SuiteTexts::new(&FitCase::suite()?),
+        SuiteName::Ptm => SuiteTexts::new(&Case::suite()?)?,
+        SuiteName::Texture => SuiteTexts::new(&TextureCase::suite()?)?,
+        SuiteName::Writers => SuiteTexts::new(&WriterCase::suite()?)?,
+        SuiteName::Fitters => SuiteTexts::new(&FitCase::suite()?)?,
     };
-    convert(&args.command, &reports, &texts?)
+    convert(&args.command, &reports, &texts)
 }
 
 /// Converts reports on a suite to the requested format, and prints the result or writes it to a file.

@@ -9,7 +9,7 @@
 //! A listed case that fails is *known*. A failing case that is not listed is *new*. A listed case that passes is *stale*: its
 //! entry should be removed. A listed case that was not selected or has any other outcome is ignored.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -73,12 +73,15 @@ impl Baseline {
     /// and so are entries of cases that neither passed nor failed.
     #[must_use]
     pub fn to_updated_yaml(&self, texts: &SuiteTexts, report: &Report) -> String {
-        let results = report.cases.iter().map(|case| (&case.id, case.outcome));
-        let outcomes: HashMap<&String, Outcome> = results.collect();
+        // The cases of the report are also in suite order.
+        let mut results = report.cases.iter().peekable();
         let mut known = Vec::new();
         for (id, _) in &texts.purposes {
             let listed = self.0.get(id);
-            let stays = match outcomes.get(id) {
+            let stays = match results
+                .next_if(|case| case.id == *id)
+                .map(|case| case.outcome)
+            {
                 Some(Outcome::Fail) => true,
                 Some(Outcome::Pass) => false,
                 _ => listed.is_some(),

@@ -8,7 +8,7 @@ use std::fmt::{self, Write};
 
 use serde::Serialize;
 use similar::DiffTag;
-use similar::algorithms::{Capture, Replace, myers};
+use similar::algorithms::{Capture, Compact, Replace, myers};
 
 use crate::kit::yaml::to_yaml;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
@@ -209,9 +209,10 @@ fn write_lines(out: &mut String, indent: &str, name: &str, old: &str, new: &str)
         writeln!(out, "{indent}{name}:")?;
     }
     let (old, new): (Vec<&str>, Vec<&str>) = (old.lines().collect(), new.lines().collect());
-    let mut changes = Replace::new(Capture::new());
+    // Does what `similar::capture_diff_slices` does, without compiling its other algorithms.
+    let mut changes = Compact::new(Replace::new(Capture::new()), &*old, &*new);
     let Ok(()) = myers::diff(&mut changes, &*old, 0..old.len(), &*new, 0..new.len());
-    for change in changes.into_inner().into_ops() {
+    for change in changes.into_inner().into_inner().into_ops() {
         if change.tag() != DiffTag::Equal {
             for line in &old[change.old_range()] {
                 writeln!(out, "{indent}  - {line}")?;

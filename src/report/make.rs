@@ -166,7 +166,7 @@ pub(crate) fn likely_causes<C: TestCase, A: 'static>(
     (diagnoses.iter().map(|diagnosis| cause(&ids, diagnosis))).collect()
 }
 
-/// Converts a diagnosis. `ids` returns the ids of cases.
+/// Converts a diagnosis. `ids` returns the ids of the cases with the given indices.
 fn cause<A: 'static>(
     ids: &dyn Fn(&[usize]) -> Vec<String>,
     diagnosis: &Diagnosis<A>,

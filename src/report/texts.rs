@@ -12,7 +12,7 @@ pub struct SuiteTexts {
     pub clauses: Vec<Clause>,
     /// The rulings on open questions of the specification.
     pub rulings: Vec<Ruling>,
-    /// Rulings that allow several readings, each with the reading of the reference.
+    /// Id of each ruling that allows several readings, and name of the reading of the reference.
     pub reference_readings: Vec<(&'static str, &'static str)>,
 }
 

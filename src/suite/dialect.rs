@@ -40,7 +40,7 @@ pub enum RightDialects {
     In {
         /// The choices.
         axes: Vec<Axis>,
-        /// For each combination of readings of these axes ([`Choices::combinations`]), true if the answer is right.
+        /// For each combination of readings of these axes (`Choices::combinations`), true if the answer is right.
         combinations: Vec<bool>,
     },
 }

@@ -96,10 +96,10 @@ pub(super) fn failures(
     evidence: Option<&EvidenceMarkup>,
 ) -> Markup {
     let card = |case: &CaseResult, open: bool| {
-        let shown = evidence.and_then(|evidence| evidence.get(case.id.as_str()));
-        card(texts, report, case, shown, open)
+        let markup = evidence.and_then(|evidence| evidence.get(case.id.as_str()));
+        card(texts, report, case, markup, open)
     };
-    let shown = evidence.map(HashMap::len);
+    let shown_count = evidence.map(HashMap::len);
     let failures = groups.iter().map(|group| group.cases.len()).sum::<usize>();
     html! {
         section aria-labelledby="cases" {
@@ -111,9 +111,9 @@ pub(super) fn failures(
                 button #open type="button" { "Open all" }
                 button #close type="button" { "Close all" }
             }
-            @if failures > 0 && shown.is_none() {
+            @if failures > 0 && shown_count.is_none() {
                 p.note { "This page was generated from a YAML report, which contains no images. Use “ptm-conform check --html” for a page with images." }
-            } @else if let Some(shown) = shown && shown < failures {
+            } @else if let Some(shown) = shown_count && shown < failures {
                 p.note {
                     "Images and bytes are shown for " (shown) " of " (failures)
                     " failures, beginning with one failure for each cause; a page contains at most " (MAX_EVIDENCE_BYTES / 1000) " kB of them."

@@ -49,6 +49,7 @@ impl ComparedImages<'_> {
 }
 
 pub(super) fn png_data_url(width: usize, height: usize, rgba: &[u8]) -> String {
+    // The encoder has the same type as in `tools::render`, so that it is compiled only once.
     let mut png = Cursor::new(Vec::new());
     PngEncoder::new_with_quality(&mut png, CompressionType::Best, FilterType::Adaptive)
         .write_image(rgba, width as u32, height as u32, ExtendedColorType::Rgba8)

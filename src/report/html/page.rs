@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::document::{CaseResult, Report};
-use crate::report::html::cases::{EvidenceMarkup, evidence, failures, groups};
+use crate::report::html::cases::{EvidenceMarkup, Group, evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
 use crate::report::html::shell::{complete_page, link, mark, verdict_mark};
 use crate::report::html::{clause_map, scene};
@@ -19,33 +19,38 @@ pub fn page<C: Reportable>(
     report: &Report,
     run: &Run<C>,
 ) -> String {
-    let evidence = evidence(suite, run, &groups(report));
-    page_with(texts, report, Some(&evidence), run.scene.as_ref())
+    let groups = groups(report);
+    let evidence = evidence(suite, run, &groups);
+    page_with(
+        texts,
+        report,
+        &groups,
+        Some((&evidence, run.scene.as_ref())),
+    )
 }
 
 /// Renders the page of a report without images.
 #[must_use]
 pub fn page_without_images(texts: &SuiteTexts, report: &Report) -> String {
-    page_with(texts, report, None, None)
+    page_with(texts, report, &groups(report), None)
 }
 
 fn page_with(
     texts: &SuiteTexts,
     report: &Report,
-    evidence: Option<&EvidenceMarkup>,
-    scene: Option<&LitScene>,
+    groups: &[Group],
+    images: Option<(&EvidenceMarkup, Option<&LitScene>)>,
 ) -> String {
-    let groups = groups(report);
     let (command, verdict) = (&report.decoder.command, &report.verdict);
     let title = format!("{command}: {verdict} — {}", report.suite.short_title());
     let body = html! {
-        (header(texts, report, scene))
+        (header(texts, report, images.and_then(|images| images.1)))
         main {
             @if report.reason.is_some() {
                 (next_steps(report))
-            } @else { (diagnosis(report, &groups, &texts.clauses)) }
+            } @else { (diagnosis(report, groups, &texts.clauses)) }
             @if !report.cases.is_empty() {
-                (failures(texts, report, &groups, evidence))
+                (failures(texts, report, groups, images.map(|images| images.0)))
                 (clause_map::section(report, &texts.clauses))
                 (dialect(report, &texts.rulings))
                 (other_cases(report))

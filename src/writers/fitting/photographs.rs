@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Cursor;
 use std::path::Path;
 
-use image::{ImageFormat, ImageReader};
+use image::{ImageError, ImageFormat, ImageReader};
 use serde::{Deserialize, Serialize};
 
 use crate::ptm::{Format, Size};
@@ -134,11 +134,13 @@ fn read_photograph(line: &str, base: &Path, size: &mut Option<Size>) -> Result<P
     let name = words.next().ok_or_else(invalid)?.trim();
     let with_name = |error: &dyn std::fmt::Display| format!("{name}: {error}");
     let bytes = fs::read(base.join(name)).map_err(|error| with_name(&error))?;
-    // With the reader type of `protocol::image_file`, the image decoders are compiled once.
+    // The reader has the same type as in `protocol::image_file`, so that the image decoders are compiled only once.
     let mut cursor = Cursor::new(&*bytes);
     let reader = ImageReader::new(&mut cursor).with_guessed_format();
-    let reader = reader.map_err(|error| with_name(&error))?;
-    let image = reader.decode().map_err(|error| with_name(&error))?;
+    let image = reader
+        .map_err(ImageError::from)
+        .and_then(ImageReader::decode);
+    let image = image.map_err(|error| with_name(&error))?;
     let (width, height) = (image.width(), image.height());
     let actual = Size { width, height };
     if *size.get_or_insert(actual) != actual {
