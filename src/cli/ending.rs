@@ -9,11 +9,8 @@ use clap::Args;
 use super::files::{check_writable, with_path, write_atomically};
 use super::output::{print, print_error};
 use super::terminal::print_styled;
-use crate::report::{
-    Report, baseline::Baseline, document::BaselineComparison, reported::Reportable,
-    texts::SuiteTexts,
-};
-use crate::report::{github, html, junit};
+use crate::report::{Report, baseline::Baseline, document::BaselineComparison};
+use crate::report::{github, html, junit, reported::Reportable, suite_texts::SuiteTexts};
 use crate::session::run::Run;
 use crate::suite::cases::Suite;
 
@@ -160,7 +157,7 @@ impl<'a> ReportWriter<'a> {
             if let Some(path) = summary.as_deref().map(Path::new) {
                 // All steps of a job append to the same file.
                 let file = fs::OpenOptions::new().append(true).create(true).open(path);
-                let text = github::summary(report, self.texts.purposes.len());
+                let text = github::summary(report, self.texts.cases.len());
                 file.and_then(|mut file| file.write_all(text.as_bytes()))
                     .map_err(with_path(path))?;
             }

@@ -5,8 +5,9 @@
 pub fn did_you_mean<'a>(name: &str, known: impl Iterator<Item = &'a str>) -> String {
     let wanted = name.to_lowercase();
     let similarity = |name: &str| {
-        let (name, is_long) = (name.to_lowercase(), wanted.len() >= 4);
-        let least = [0.0, 0.9][usize::from(is_long && name.contains(&wanted))];
+        let name = name.to_lowercase();
+        let is_part = wanted.len() >= 4 && name.contains(&wanted);
+        let least = if is_part { 0.9 } else { 0.0 };
         strsim::jaro_winkler(&wanted, &name).max(least)
     };
     let mut near: Vec<(f64, &str)> = known.map(|name| (similarity(name), name)).collect();

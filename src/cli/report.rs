@@ -9,7 +9,7 @@ use super::ending::{OutputArgs, ReportWriter};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use crate::kit::escape_controls;
 use crate::report::{Report, badge, github, html, junit};
-use crate::report::{merge::RecordedAnswers, reported::Reportable, texts::SuiteTexts};
+use crate::report::{merge::RecordedAnswers, reported::Reportable, suite_texts::SuiteTexts};
 use crate::suite::{cases::Case, name::SuiteName, texture::cases::TextureCase};
 use crate::writers::{cases::WriterCase, fitting::cases::FitCase};
 
@@ -151,7 +151,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
 
 /// Converts reports on a suite to the requested format, and prints the result or writes it to a file.
 fn convert(command: &ReportCommand, reports: &[Report], texts: &SuiteTexts) -> CommandResult {
-    let (report, suite_size) = (&reports[0], texts.purposes.len());
+    let (report, suite_size) = (&reports[0], texts.cases.len());
     match command {
         ReportCommand::Junit(args) => args.write(&junit::junit(report)),
         ReportCommand::Badge(args) => args.write(&badge::badge(report)),

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::kit::yaml::{read_text, records, to_yaml};
 use crate::report::document::{BaselineComparison, Report};
-use crate::report::texts::SuiteTexts;
+use crate::report::suite_texts::SuiteTexts;
 use crate::session::outcome::Outcome;
 
 /// Known failures: case ids with optional reasons.
@@ -76,12 +76,10 @@ impl Baseline {
         // The cases of the report are also in suite order.
         let mut results = report.cases.iter().peekable();
         let mut known = Vec::new();
-        for (id, _) in &texts.purposes {
+        for (id, _) in &texts.cases {
             let listed = self.0.get(id);
-            let stays = match results
-                .next_if(|case| case.id == *id)
-                .map(|case| case.outcome)
-            {
+            let result = results.next_if(|case| case.id == *id);
+            let stays = match result.map(|case| case.outcome) {
                 Some(Outcome::Fail) => true,
                 Some(Outcome::Pass) => false,
                 _ => listed.is_some(),

@@ -15,8 +15,8 @@ pub(crate) mod make;
 pub mod merge;
 pub mod reported;
 pub mod shards;
+pub mod suite_texts;
 pub mod text;
-pub mod texts;
 pub mod words;
 mod yaml;
 

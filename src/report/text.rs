@@ -6,7 +6,7 @@ use std::fmt::{self, Write};
 use crate::kit::last_message::quote_last_message;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
-use crate::report::texts::SuiteTexts;
+use crate::report::suite_texts::SuiteTexts;
 use crate::report::words::{call_instructions, details};
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::test_case::TestCase;
@@ -200,7 +200,7 @@ impl Page<'_> {
             let unsupported = report.decoder.unsupported.join(", ");
             writeln!(out, "unsupported (exit status 69): {unsupported}")?;
         }
-        let (judged, all) = (report.cases.len(), self.texts.purposes.len());
+        let (judged, all) = (report.cases.len(), self.texts.cases.len());
         let selection = match judged < all {
             true => format!(" ({judged} of {all} cases selected)"),
             false => String::new(),

@@ -34,7 +34,7 @@ use crate::runner::trouble::{Trouble, is_shortage};
 const MAX_RETRY_TIME: Duration = Duration::from_secs(5);
 
 /// Maximum number of bytes in a list of capabilities.
-const MAX_LIST_BYTES: usize = 16 * 1024;
+const MAX_CAPABILITIES_BYTES: usize = 16 * 1024;
 
 /// A decoder and the limits that apply to each call.
 #[derive(Clone, Debug)]
@@ -396,7 +396,8 @@ impl Decoder {
         let result = self.retry(|| {
             let workspace = scratch.workspace()?;
             let words = self.command_with(&[OsStr::new("capabilities")]);
-            self.run_command(&words, MAX_LIST_BYTES, self.timeout, &workspace.work_dir)
+            let max_bytes = MAX_CAPABILITIES_BYTES;
+            self.run_command(&words, max_bytes, self.timeout, &workspace.work_dir)
         });
         Capabilities::read(&result.output.map_err(|answer| answer.describe())?)
     }

@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::report::html::evidence::standard_error;
 use crate::report::html::shell::{link, mark};
-use crate::report::{reported::Reportable, texts::SuiteTexts};
+use crate::report::{reported::Reportable, suite_texts::SuiteTexts};
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::{cases::Suite, name::SuiteName};
 

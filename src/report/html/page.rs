@@ -7,7 +7,7 @@ use crate::report::html::cases::{EvidenceMarkup, Group, evidence, failures, grou
 use crate::report::html::diagnosis::{diagnosis, next_steps};
 use crate::report::html::shell::{complete_page, link, mark, verdict_mark};
 use crate::report::html::{clause_map, scene};
-use crate::report::{reported::Reportable, texts::SuiteTexts};
+use crate::report::{reported::Reportable, suite_texts::SuiteTexts};
 use crate::session::{lit_scene::LitScene, outcome::Outcome, run::Run, scores::Fraction};
 use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
 
@@ -21,12 +21,8 @@ pub fn page<C: Reportable>(
 ) -> String {
     let groups = groups(report);
     let evidence = evidence(suite, run, &groups);
-    page_with(
-        texts,
-        report,
-        &groups,
-        Some((&evidence, run.scene.as_ref())),
-    )
+    let images = Some((&evidence, run.scene.as_ref()));
+    page_with(texts, report, &groups, images)
 }
 
 /// Renders the page of a report without images.
@@ -42,15 +38,16 @@ fn page_with(
     images: Option<(&EvidenceMarkup, Option<&LitScene>)>,
 ) -> String {
     let (command, verdict) = (&report.decoder.command, &report.verdict);
+    let (evidence, scene) = images.unzip();
     let title = format!("{command}: {verdict} — {}", report.suite.short_title());
     let body = html! {
-        (header(texts, report, images.and_then(|images| images.1)))
+        (header(texts, report, scene.flatten()))
         main {
             @if report.reason.is_some() {
                 (next_steps(report))
             } @else { (diagnosis(report, groups, &texts.clauses)) }
             @if !report.cases.is_empty() {
-                (failures(texts, report, groups, images.map(|images| images.0)))
+                (failures(texts, report, groups, evidence))
                 (clause_map::section(report, &texts.clauses))
                 (dialect(report, &texts.rulings))
                 (other_cases(report))
@@ -89,7 +86,7 @@ fn header(texts: &SuiteTexts, report: &Report, scene: Option<&LitScene>) -> Mark
 
 /// Renders the scores and the number of cases with each outcome.
 fn results(texts: &SuiteTexts, report: &Report) -> Markup {
-    let (selected, all) = (report.cases.len(), texts.purposes.len());
+    let (selected, all) = (report.cases.len(), texts.cases.len());
     html! {
         dl.scores {
             (score("Correctness", report.scores.correctness, "passed cases among the judged cases that the decoder supports"))

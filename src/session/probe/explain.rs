@@ -53,10 +53,8 @@ pub(super) fn refusal_fault(reply: &Reply) -> ProbeFault {
         (Answer::ProtocolError(what), _) => fault("silent-malformed", &[("what", what)]),
         (Answer::Crashed(_), Some(status)) => {
             let stderr = quote_last_message("\n", &reply.stderr);
-            fault(
-                "crash-malformed",
-                &[("status", &status), ("stderr", &stderr)],
-            )
+            let slots: &Slots = &[("status", &status), ("stderr", &stderr)];
+            fault("crash-malformed", slots)
         }
         _ => explain(reply),
     }

@@ -11,7 +11,7 @@ use ptm_conform::diagnose::{Category, diagnose};
 use ptm_conform::misreadings;
 use ptm_conform::protocol::frame::{Answer, Samples, ViewKind};
 use ptm_conform::report::{Report, badge, github, html, junit};
-use ptm_conform::report::{reported::Reportable, texts::SuiteTexts};
+use ptm_conform::report::{reported::Reportable, suite_texts::SuiteTexts};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::session::{lit_scene, outcome::Outcome, plan::RunPlan};
@@ -55,7 +55,7 @@ fn render<C: Reportable>(suite: &Suite<C>, report: &Report, run: &Run<C>) -> Str
 
 fn matrix(reports: &[Report]) -> Result<String, String> {
     let texts = texts(&run_upside_down().0);
-    html::matrix(reports, &texts.clauses, texts.purposes.len())
+    html::matrix(reports, &texts.clauses, texts.cases.len())
 }
 
 fn failures(report: &Report) -> usize {

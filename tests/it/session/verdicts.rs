@@ -3,7 +3,7 @@
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::ptm::Format;
 use ptm_conform::report::Report;
-use ptm_conform::report::{html, junit, texts::SuiteTexts};
+use ptm_conform::report::{html, junit, suite_texts::SuiteTexts};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::{Outcome, ResponseKind, outcome};
 use ptm_conform::session::plan::{Repeat, RunPlan};

@@ -7,7 +7,7 @@ use crate::suite::clauses::{Clause, Ruling};
 /// Texts of a suite.
 pub struct SuiteTexts {
     /// Id and purpose of each case.
-    pub purposes: Vec<(String, String)>,
+    pub cases: Vec<(String, String)>,
     /// The clauses that the suite tests.
     pub clauses: Vec<Clause>,
     /// The rulings on open questions of the specification.
@@ -25,7 +25,7 @@ impl SuiteTexts {
         let purpose = |case: &C| (case.id().to_owned(), case.because());
         let choices = C::CHOICES.iter();
         Ok(SuiteTexts {
-            purposes: suite.cases.iter().map(purpose).collect(),
+            cases: suite.cases.iter().map(purpose).collect(),
             clauses: (C::CLAUSES)()?,
             rulings: (C::RULINGS)()?,
             reference_readings: choices.map(|one| (one.ruling, one.readings[0].0)).collect(),
@@ -34,7 +34,7 @@ impl SuiteTexts {
 
     /// Returns the purpose of a case, in one or more lines, or `None` if the suite does not contain the case.
     pub(crate) fn purpose(&self, id: &str) -> Option<&str> {
-        let mut cases = self.purposes.iter();
+        let mut cases = self.cases.iter();
         let case = cases.find(|(case, _)| case == id);
         case.map(|(_, purpose)| purpose.as_str())
     }
