@@ -20,6 +20,7 @@ const open = (wasm, file) => {
   const at = wasm.reserve(file.length);
   view(wasm, at, file.length).set(file);
   wasm.open();
+  wasm.examine();
   const [report, length] = [wasm.report(), wasm.report_length()];
   return JSON.parse(Buffer.from(view(wasm, report, length)).toString());
 };

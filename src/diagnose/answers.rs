@@ -138,7 +138,11 @@ impl Witness<'_> {
 }
 
 /// Returns true if a single misreading reproduces the responses from which the decoder's choices were inferred.
-pub(super) fn has_simple_explanation(witnesses: &[Witness], threads: usize) -> bool {
+pub(super) fn has_simple_explanation(
+    witnesses: &[Witness],
+    catalog: &[&'static Misreading],
+    threads: usize,
+) -> bool {
     let reproduces = |witness: &Witness, answer: &Answer| match witness.observation.response {
         Response::Rejected => *answer == Answer::Rejected,
         _ => *answer == witness.expected,
@@ -147,7 +151,7 @@ pub(super) fn has_simple_explanation(witnesses: &[Witness], threads: usize) -> b
         |witness: &&Witness| !witness.failed && !reproduces(witness, witness.correct_answer());
     let informative = witnesses.iter().filter(is_informative).take(MAX_SAMPLE);
     let informative: Vec<&Witness> = informative.collect();
-    let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::unscoped).collect();
+    let mistakes: Vec<Mistake> = catalog.iter().copied().map(Mistake::unscoped).collect();
     let counts = map_in_parallel(mistakes.len(), threads, &|_, _| (), &|i| {
         let mistake = &mistakes[i];
         let is_reproduced = |witness: &&&Witness| {

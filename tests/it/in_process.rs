@@ -14,10 +14,10 @@ pub fn suite() -> Suite {
     Suite::load().expect("the suite loads")
 }
 
-/// Returns the suite with prepared files. To save time, files of more than 64 KiB are included only in LUM and `PTM_LUT`.
+/// Returns the suite with prepared files. To save time, files of more than 24 KiB are included only in LUM and `PTM_LUT`.
 pub fn suite_of_small_files() -> Suite {
     let mut suite = suite().with_prepared_files();
-    let is_small = |case: &Case| case.build(TableSpelling::default()).file.len() <= 1 << 16;
+    let is_small = |case: &Case| case.build(TableSpelling::default()).file.len() <= 24 << 10;
     let is_needed = |case: &Case| matches!(case.format(), Format::Lum | Format::PtmLut);
     suite.cases.retain(|case| is_small(case) || is_needed(case));
     suite

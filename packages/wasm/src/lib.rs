@@ -1,8 +1,8 @@
 //! The reference decoder for web pages: fields, findings, planes and images of a file.
 //!
 //! All exports are functions that take and return numbers, so only `cargo` is needed to build the module. A page calls
-//! [`reserve`], writes a file there, calls [`open`], and reads the results at [`report`], [`samples`] and [`relight`]. One file
-//! is open at a time.
+//! [`reserve`], writes a file there, calls [`open`], and reads the results at [`report`], [`samples`] and [`relight`].
+//! [`examine`] adds fields and findings to the report. One file is open at a time.
 
 use std::cell::RefCell;
 
@@ -12,13 +12,15 @@ use ptm_conform::kit::digest::sha256;
 use ptm_conform::ptm::Shape;
 use ptm_conform::tools::inspect::inspect;
 use ptm_conform::tools::lint::lint;
-use serde_json::json;
+use serde_json::{Value, json};
 
 /// The open file and its results.
 #[derive(Default)]
 struct Opened {
     /// The bytes of the file, which the page writes.
     file: Vec<u8>,
+    /// Properties of the map, or the error.
+    result: Value,
     /// The report in JSON.
     report: String,
     map: Option<Ptm>,
@@ -43,19 +45,31 @@ pub extern "C" fn reserve(length: usize) -> *mut u8 {
     })
 }
 
-/// Decodes the file that the page has written, and creates its report. Returns 1 if the file is a map, and 0 if not.
+/// Decodes the file that the page has written, and creates a report in JSON: properties of the map, or the error. Returns 1 if the
+/// file is a map, and 0 if not.
 #[unsafe(no_mangle)]
 pub extern "C" fn open() -> u32 {
     with_opened(|opened| {
         let decoded = ptm_conform::decode(&opened.file);
-        opened.report = report_on(&opened.file, decoded.as_ref());
+        opened.result = describe(decoded.as_ref());
+        opened.report = opened.result.to_string();
         opened.map = decoded.ok();
         u32::from(opened.map.is_some())
     })
 }
 
-/// Returns the report in JSON: fields and findings as the program prints them, and properties of the map, or the error.
-pub fn report_on(file: &[u8], decoded: Result<&Ptm, &Error>) -> String {
+/// Adds fields and findings to the report, as the program prints them.
+#[unsafe(no_mangle)]
+pub extern "C" fn examine() {
+    with_opened(|opened| {
+        opened.result["inspect"] = json!(inspect(&opened.file));
+        opened.result["lint"] = json!(lint(&opened.file));
+        opened.report = opened.result.to_string();
+    });
+}
+
+/// Returns properties of the map, or the error.
+fn describe(decoded: Result<&Ptm, &Error>) -> Value {
     let refused = decoded.err().map(|error| {
         let malformed = error.class() == Class::Malformed;
         let word = if malformed { "malformed" } else { "unsupported" };
@@ -72,7 +86,7 @@ pub fn report_on(file: &[u8], decoded: Result<&Ptm, &Error>) -> String {
             "planes": sha256(&ptm.planes.samples),
         })
     });
-    json!({ "inspect": inspect(file), "lint": lint(file), "map": map, "refused": refused }).to_string()
+    json!({ "map": map, "refused": refused })
 }
 
 /// Returns the address of the report.
@@ -111,7 +125,7 @@ pub extern "C" fn relight(lu: f64, lv: f64) -> *const u8 {
 
 /// Computes exactly the image of `Coefficients::evaluate` and `RelitImage::to_bytes`. Looks up each term of the polynomial by its
 /// stored byte.
-pub fn relight_into(ptm: &Ptm, lu: f64, lv: f64, image: &mut Vec<u8>) {
+fn relight_into(ptm: &Ptm, lu: f64, lv: f64, image: &mut Vec<u8>) {
     let set = &ptm.header.scale_bias;
     let terms: [[f64; 256]; 6] = std::array::from_fn(|i| {
         std::array::from_fn(|raw| {

@@ -4,9 +4,11 @@ use std::collections::HashMap;
 
 use ptm_conform::Reading;
 use ptm_conform::decode::Alternative;
-use ptm_conform::diagnose::{Cause, Diagnosis, assume, can_affect_file, can_combine, diagnose};
+use ptm_conform::diagnose::{
+    Cause, Diagnosis, assume, can_affect_file, can_combine, diagnose, diagnose_among,
+};
 use ptm_conform::formula::Edit;
-use ptm_conform::misreadings::{self, Misreading};
+use ptm_conform::misreadings::{self, Hook, Misreading};
 use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::Request;
@@ -15,7 +17,7 @@ use ptm_conform::strength::matrix::run_with_mistakes;
 use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
 
 use crate::in_process::{
-    answer_with, formula_misreading, jobs, misreading, reference_answer, run_all,
+    answer_with, formula_misreading, jobs, misreading, reference_answer, run_all, suite,
     suite_of_small_files,
 };
 use crate::table::rows;
@@ -87,6 +89,32 @@ fn diagnose_faulty_decoder(
 
 /// Maximum number of answers per case that a search may compute, regardless of the number of failures.
 const MAX_ANSWERS_PER_CASE: usize = 200;
+
+#[test]
+fn panic_in_the_search_loses_only_one_cause() {
+    let mut suite = suite();
+    suite.cases.retain(|case| case.first);
+    let run = run_faulty_decoder(&suite, |_, mut answer| {
+        if let Answer::Decoded(frame) = &mut answer
+            && let Samples::U8(samples) = &mut frame.samples
+        {
+            for sample in samples {
+                *sample ^= 0x55;
+            }
+        }
+        answer
+    });
+    let panics: &Misreading = Box::leak(Box::new(Misreading {
+        step: Hook::Planes(|_| panic!("index 3 of 2")),
+        ..formula_misreading(Vec::new())
+    }));
+    let catalog: Vec<&Misreading> = misreadings::all().chain([panics]).collect();
+    let causes = diagnose_among(&catalog, &suite, &run, &[], 1);
+    assert_eq!(causes.faults, ["index 3 of 2"]);
+    let causes = causes.diagnoses.iter();
+    let explained = causes.map(|cause| cause.explains.len() + cause.partial.len());
+    assert_eq!(explained.sum::<usize>(), failures(&run).len());
+}
 
 #[test]
 fn search_ends_for_unrelated_failures() {
@@ -451,10 +479,4 @@ fn two_hundred_pairs_are_caught_and_nine_in_ten_named() {
 #[ignore = "takes minutes"]
 fn sixty_triples_are_caught_and_most_named() {
     check_sets(60, 3, 80, 5);
-}
-
-#[test]
-#[ignore = "takes minutes"]
-fn sixty_quadruples_are_caught_and_most_named() {
-    check_sets(60, 4, 60, 10);
 }

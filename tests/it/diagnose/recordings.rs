@@ -7,8 +7,9 @@ use std::collections::HashMap;
 
 use crate::in_process::{reference_answer, suite};
 use crate::recordings::{digest, folder, recorded_answers};
-use ptm_conform::diagnose::{Cause, diagnose};
+use ptm_conform::diagnose::{Cause, diagnose, diagnose_among};
 use ptm_conform::kit::yaml;
+use ptm_conform::misreadings::{self, Misreading};
 use ptm_conform::protocol::frame::Answer;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::Outcome;
@@ -174,6 +175,59 @@ fn mistakes_of_seven_readers_are_named_without_false_statements() {
         }
     }
     assert!(missed.is_empty(), "{}", missed.join("\n"));
+}
+
+/// Returns the decisions about a recorded run: the cases of each outcome, and the cases of each cause, which is identified by its
+/// name, or by its category and clause.
+fn decisions(
+    suite: &Suite,
+    catalog: &[&'static Misreading],
+    run: &Run,
+) -> Vec<(String, Vec<usize>)> {
+    let with_outcome = |one| run.judgment.with_outcome(one).collect();
+    let outcomes = Outcome::ALL.map(|one| (one.name().to_owned(), with_outcome(one)));
+    let diagnoses = diagnose_among(catalog, suite, run, &[], 2).diagnoses;
+    let causes = diagnoses.into_iter().map(|diagnosis| {
+        let name = match &diagnosis.cause {
+            Cause::Misreading { misreading, .. } => misreading.slug.to_owned(),
+            Cause::Described {
+                category, clause, ..
+            } => format!("{} {clause}", category.name()),
+        };
+        (name, [diagnosis.explains, diagnosis.partial].concat())
+    });
+    outcomes.into_iter().chain(causes).collect()
+}
+
+/// Replaces each text by an id. The decisions must be the same.
+#[test]
+fn decisions_do_not_depend_on_texts() {
+    let suite = suite().with_prepared_files();
+    let mut with_ids = suite.clone();
+    for case in &mut with_ids.cases {
+        case.because.clone_from(&case.id);
+    }
+    let catalog: Vec<&Misreading> = misreadings::all().collect();
+    let slugs = misreadings::all().map(|one| -> &Misreading {
+        Box::leak(Box::new(Misreading {
+            effect: one.slug,
+            fix: one.slug,
+            ..one.clone()
+        }))
+    });
+    let slugs: Vec<&Misreading> = slugs.collect();
+    for reader in ["relight", "oxrti"] {
+        let run = replay(&suite, reader);
+        let mut silent_run = replay(&with_ids, reader);
+        for verdict in silent_run.judgment.cases.iter_mut().flatten() {
+            verdict.message = verdict.outcome.name().to_owned();
+        }
+        for observation in silent_run.observations.iter_mut().flatten() {
+            observation.stderr.clear();
+        }
+        let expected = decisions(&suite, &catalog, &run);
+        assert_eq!(decisions(&with_ids, &slugs, &silent_run), expected);
+    }
 }
 
 /// A forbidden statement that never matches would prove nothing, so each must match earlier output of the program.

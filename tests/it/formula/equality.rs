@@ -9,7 +9,7 @@ use ptm_conform::suite::cases::{Suite, TableSpelling};
 use crate::in_process::formula_misreading;
 
 /// Maximum number of samples in an answer. Larger maps are skipped because they are slow and reveal nothing new.
-const MAX_SAMPLES: usize = 1 << 15;
+const MAX_SAMPLES: usize = 1 << 12;
 
 /// Returns a decoder that computes these formulas with the expressions of the specification.
 fn specified_decoder(formulas: &[Formula]) -> Misreading {

@@ -61,7 +61,7 @@ fn fuzzing_the_reference_finds_nothing() {
 #[test]
 fn findings_are_named_and_reduced() {
     for slug in ["width-by-largest-index", "rows-top-down"] {
-        let outcomes = fuzz_misreadings(&[slug], 5000);
+        let outcomes = fuzz_misreadings(&[slug], 2000);
         let names: Vec<String> = outcomes
             .findings
             .iter()

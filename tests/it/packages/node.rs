@@ -25,7 +25,7 @@ fn build(package: &Path) {
             .env("RUSTFLAGS", "-D warnings")
             .env("CARGO_PROFILE_RELEASE_OPT_LEVEL", "1")
             .env("CARGO_PROFILE_RELEASE_LTO", "off")
-            .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "16")
+            .env("CARGO_PROFILE_RELEASE_CODEGEN_UNITS", "4")
             .arg("--manifest-path")
             .arg(repository("packages/wasm/Cargo.toml")),
     );

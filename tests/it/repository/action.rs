@@ -206,7 +206,7 @@ fn fuzzing_workflow_finds_and_rechecks_a_mistake() {
         let bash = bash.current_dir(here.path("")).env("PATH", path);
         let variables = [
             ("DECODER", "sh my-decoder"),
-            ("FUZZ_SECONDS", "5"),
+            ("FUZZ_SECONDS", "2"),
             ("SEED", "7"),
         ];
         outcome(&bash.envs(variables).output().expect("bash starts"))

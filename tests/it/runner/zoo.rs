@@ -1,12 +1,11 @@
 //! Tests the harness with programs that misbehave, each in one way (`examples/zoo.rs`). No process, file or memory may leak.
 
 use std::fs;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Mutex, OnceLock};
 
 use crate::common::{
-    BusyProcessors, CheckRun, Workspace, assert_contains, have_proc, processes, rows, run_measured,
-    wait_until, zoo,
+    CheckRun, Workspace, assert_contains, have_proc, processes, rows, run_measured, wait_until, zoo,
 };
 
 /// Options that select a few small cases of every kind. Programs that hang then take only seconds.
@@ -193,43 +192,32 @@ fn judge(faulty: &FaultyDecoder, checked: &CheckRun) {
 /// Maximum memory of the harness in KiB, for any decoder. The harness holds the suite and little else.
 const MAX_MEMORY_KIB: u64 = 100 << 10;
 
-/// Checks faulty decoders, several at a time because most of them only wait, and reports all problems at the end. `judge` checks
-/// the memory use of the harness and returns a problem, if there is one.
+/// Checks the decoders of a table, three at a time because most of them only wait, and reports all problems at the end.
 #[track_caller]
-fn check_faulty_decoders(
-    all: &[FaultyDecoder],
-    at_a_time: usize,
-    judge: impl Fn(usize, u64) -> Option<String> + Sync,
-) {
-    let (next, problems) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+fn check_table(table: &str) {
+    let (all, next, problems) = (
+        expand_table(table),
+        AtomicUsize::new(0),
+        Mutex::new(Vec::new()),
+    );
     let worker = || {
-        loop {
-            let turn = next.fetch_add(1, Ordering::Relaxed);
-            let Some(faulty) = all.get(turn) else { break };
+        while let Some(faulty) = all.get(next.fetch_add(1, Ordering::Relaxed)) {
             let problem = match std::panic::catch_unwind(|| check_faulty_decoder(faulty)) {
-                Ok(memory) => judge(turn, memory),
-                Err(panic) => Some(panic.downcast_ref::<String>().cloned().unwrap_or_default()),
+                Ok(memory) if memory <= MAX_MEMORY_KIB => continue,
+                Ok(memory) => format!("the harness used {memory} KiB"),
+                Err(panic) => panic.downcast_ref::<String>().cloned().unwrap_or_default(),
             };
-            if let Some(problem) = problem {
-                let problem = format!("{}: {problem}", faulty[0]);
-                problems.lock().expect("no holder panics").push(problem);
-            }
+            let mut problems = problems.lock().expect("no holder panics");
+            problems.push(format!("{}: {problem}", faulty[0]));
         }
     };
     std::thread::scope(|scope| {
-        for _ in 0..at_a_time {
+        for _ in 0..3 {
             scope.spawn(worker);
         }
     });
     let problems = problems.into_inner().expect("no holder panics");
     assert!(problems.is_empty(), "{}", problems.join("\n\n"));
-}
-
-#[track_caller]
-fn check_table(table: &str) {
-    check_faulty_decoders(&expand_table(table), 3, |_, memory| {
-        (memory > MAX_MEMORY_KIB).then(|| format!("the harness used {memory} KiB"))
-    });
 }
 
 #[test]
@@ -245,39 +233,6 @@ fn endless_decoders_are_stopped() {
 #[test]
 fn serving_decoders_get_the_listed_verdicts() {
     check_table(SERVING);
-}
-
-/// Repeats all checks while all processors are busy. Run it with `PTM_ZOO_RUNS=20 cargo test --release --test it -- --ignored
-/// --nocapture verdicts_are_the_same_under_load`.
-#[test]
-#[ignore = "takes half an hour"]
-fn verdicts_are_the_same_under_load() {
-    let runs = std::env::var("PTM_ZOO_RUNS").ok();
-    let runs = runs.and_then(|runs| runs.parse().ok()).unwrap_or(20);
-    let processors = std::thread::available_parallelism().map_or(1, usize::from);
-    let _load = BusyProcessors::new(processors);
-    let once: Vec<FaultyDecoder> = [ANSWERING, STOPPED, SERVING]
-        .into_iter()
-        .flat_map(expand_table)
-        .collect();
-    let all: Vec<FaultyDecoder> = once
-        .iter()
-        .cycle()
-        .take(runs * once.len())
-        .cloned()
-        .collect();
-    // Memory of the harness for the first check of each decoder, in KiB.
-    let first: Vec<OnceLock<u64>> = once.iter().map(|_| OnceLock::new()).collect();
-    check_faulty_decoders(&all, 4, |turn, memory| {
-        let first = *first[turn % once.len()].get_or_init(|| memory);
-        let run = turn / once.len() + 1;
-        (memory > first + 8 * 1024)
-            .then(|| format!("run {run}: the harness used {memory} KiB, at first {first}"))
-    });
-    println!(
-        "{runs} runs of {} faulty decoders: all verdicts are correct",
-        once.len()
-    );
 }
 
 #[test]

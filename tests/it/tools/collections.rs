@@ -5,9 +5,9 @@ use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::os::unix::ffi::OsStrExt;
 use std::os::unix::fs::symlink;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use serde_json::Value;
 
@@ -80,54 +80,6 @@ fn memory_does_not_grow_with_the_number_of_files() {
     });
     println!("peak memory: {few} KiB for 1,000 files, {many} KiB for 10,000");
     assert!(many < few + 8 * 1024, "{few} KiB, then {many} KiB");
-}
-
-/// Creates the given number of copies of corpus files and returns the paths of the copies.
-fn copy_corpus(here: &Workspace, files: usize) -> Vec<PathBuf> {
-    let pattern = repository("corpus/*/*.ptm");
-    let originals = glob::glob(&pattern).expect("a pattern").flatten();
-    let originals: Vec<PathBuf> = originals.collect();
-    let copy = |(number, original): (usize, &PathBuf)| {
-        let bytes = fs::read(original).expect("a file");
-        here.write(&format!("files/{number:05}.ptm"), bytes)
-    };
-    let originals = originals.iter().cycle().take(files);
-    originals.enumerate().map(copy).collect()
-}
-
-/// Returns the duration in seconds of the fastest of five runs of a command.
-fn min_seconds(command: impl Fn() -> Command) -> f64 {
-    let once = || {
-        let begin = Instant::now();
-        let output = command().output().expect("it starts");
-        assert!(!output.stdout.is_empty());
-        begin.elapsed().as_secs_f64()
-    };
-    (0..5).map(|_| once()).fold(f64::INFINITY, f64::min)
-}
-
-#[test]
-#[ignore = "measures time; needs an idle machine"]
-fn linting_takes_at_most_twice_the_time_of_decoding() {
-    const FILES: usize = 10_000;
-    let here = Workspace::new();
-    let files = copy_corpus(&here, FILES).into_iter().enumerate();
-    let request = |(number, path): (usize, PathBuf)| format!("{number} raw {}\n", path.display());
-    here.write("requests", files.map(request).collect::<String>());
-    let decoding = min_seconds(|| {
-        let mut command = here.command("reference serve");
-        command.stdin(File::open(here.path("requests")).expect("the list"));
-        command
-    });
-    let linting = min_seconds(|| here.command("lint -rq --format csv --jobs 1 files"));
-    let each = |seconds: f64| seconds * 1e6 / FILES as f64;
-    println!(
-        "{:.1} µs to decode a file, {:.1} µs to lint it: {:.2} times as long",
-        each(decoding),
-        each(linting),
-        linting / decoding
-    );
-    assert!(linting < 2.0 * decoding);
 }
 
 #[test]
