@@ -209,7 +209,7 @@ fn accepts_by_chance(
     }
     // A mistake that explains many different faults is not a coincidence.
     let accepted = evidence.accepted.iter();
-    let faults = accepted.filter_map(|&w| Some(&search.witnesses[w].case.damage()?.effect));
+    let faults = accepted.filter_map(|&w| Some(&search.witnesses[w].case.damage()?.name));
     let are_few_faults = faults.collect::<HashSet<_>>().len() <= MIN_SHARING_FILES;
     let misreading = search.mistakes[id].misreading;
     let is_clause_open = || {

@@ -29,7 +29,15 @@ const CONTENTS: &str = include_str!("drop.html");
 const SITE_SCRIPT: &str = include_str!("site.js");
 
 /// Functions that the module exports and the page calls.
-const EXPORTS: [&str; 6] = ["reserve", "open", "examine", "report", "samples", "relight"];
+const EXPORTS: [&str; 7] = [
+    "reserve",
+    "open",
+    "examine",
+    "report",
+    "report_length",
+    "samples",
+    "relight",
+];
 
 /// Renders the page of the site and the standalone page. Without a module, renders a page with build instructions. Returns an
 /// error if `module` is not the reference decoder as WebAssembly.

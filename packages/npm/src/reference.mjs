@@ -9,13 +9,13 @@ export async function load(module) {
   const compiled = module instanceof WebAssembly.Module ? module : await WebAssembly.compile(module);
   const wasm = (await WebAssembly.instantiate(compiled, {})).exports;
 
-  /** Opens a file and returns the report on it: properties of the map or the error, after `examine` also fields and findings. */
-  const open = (file, examine = () => {}) => {
+  /** Opens a file and returns the report on it. With `examine`, the report also contains fields and findings. */
+  const open = (file, { examine = false } = {}) => {
     // Get the buffer after the call, which may grow the memory and detach an older buffer.
     const place = wasm.reserve(file.length);
     new Uint8Array(wasm.memory.buffer, place, file.length).set(file);
     wasm.open();
-    examine();
+    if (examine) wasm.examine();
     return JSON.parse(new TextDecoder().decode(new Uint8Array(wasm.memory.buffer, wasm.report(), wasm.report_length())));
   };
   const map = (file) => {
@@ -32,9 +32,9 @@ export async function load(module) {
       return { width, height, channels, samples: bytes(wasm.samples(), width * height * channels) };
     },
     /** Returns the findings, like `ptm-conform lint --json`. */
-    lint: (file) => open(file, wasm.examine).lint,
+    lint: (file) => open(file, { examine: true }).lint,
     /** Returns every field, like `ptm-conform inspect --json`. */
-    inspect: (file) => open(file, wasm.examine).inspect,
+    inspect: (file) => open(file, { examine: true }).inspect,
     /** Returns the image under a light, with +lu to the right and +lv up, as red, green, blue and 255. */
     relight(file, lu, lv) {
       const { width, height } = map(file);

@@ -19,10 +19,10 @@ use serde_json::{Value, json};
 struct Opened {
     /// The bytes of the file, which the page writes.
     file: Vec<u8>,
-    /// Properties of the map, or the error.
-    result: Value,
-    /// The report in JSON.
-    report: String,
+    /// The map or the error, and after [`examine`] also fields and findings.
+    report: Value,
+    /// The report as JSON text.
+    json: String,
     map: Option<Ptm>,
     /// The last image: red, green, blue and 255 of every texel.
     image: Vec<u8>,
@@ -51,20 +51,20 @@ pub extern "C" fn reserve(length: usize) -> *mut u8 {
 pub extern "C" fn open() -> u32 {
     with_opened(|opened| {
         let decoded = ptm_conform::decode(&opened.file);
-        opened.result = describe(decoded.as_ref());
-        opened.report = opened.result.to_string();
+        opened.report = describe(decoded.as_ref());
+        opened.json = opened.report.to_string();
         opened.map = decoded.ok();
         u32::from(opened.map.is_some())
     })
 }
 
-/// Adds fields and findings to the report, as the program prints them.
+/// Adds fields and findings of the file to the report, as the program prints them. Call it after [`open`].
 #[unsafe(no_mangle)]
 pub extern "C" fn examine() {
     with_opened(|opened| {
-        opened.result["inspect"] = json!(inspect(&opened.file));
-        opened.result["lint"] = json!(lint(&opened.file));
-        opened.report = opened.result.to_string();
+        opened.report["inspect"] = json!(inspect(&opened.file));
+        opened.report["lint"] = json!(lint(&opened.file));
+        opened.json = opened.report.to_string();
     });
 }
 
@@ -92,13 +92,13 @@ fn describe(decoded: Result<&Ptm, &Error>) -> Value {
 /// Returns the address of the report.
 #[unsafe(no_mangle)]
 pub extern "C" fn report() -> *const u8 {
-    with_opened(|opened| opened.report.as_ptr())
+    with_opened(|opened| opened.json.as_ptr())
 }
 
 /// Returns the length of the report in bytes.
 #[unsafe(no_mangle)]
 pub extern "C" fn report_length() -> usize {
-    with_opened(|opened| opened.report.len())
+    with_opened(|opened| opened.json.len())
 }
 
 /// Returns the address of the stored values, texel by texel, top row first, or null if no map is open. The report contains

@@ -195,17 +195,17 @@ const MAX_MEMORY_KIB: u64 = 100 << 10;
 /// Checks the decoders of a table, three at a time because most of them only wait, and reports all problems at the end.
 #[track_caller]
 fn check_table(table: &str) {
-    let (all, next, problems) = (
-        expand_table(table),
-        AtomicUsize::new(0),
-        Mutex::new(Vec::new()),
-    );
+    let all = expand_table(table);
+    let (next, problems) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
     let worker = || {
         while let Some(faulty) = all.get(next.fetch_add(1, Ordering::Relaxed)) {
             let problem = match std::panic::catch_unwind(|| check_faulty_decoder(faulty)) {
                 Ok(memory) if memory <= MAX_MEMORY_KIB => continue,
                 Ok(memory) => format!("the harness used {memory} KiB"),
-                Err(panic) => panic.downcast_ref::<String>().cloned().unwrap_or_default(),
+                Err(panic) => panic
+                    .downcast_ref::<String>()
+                    .map_or("a panic", String::as_str)
+                    .to_owned(),
             };
             let mut problems = problems.lock().expect("no holder panics");
             problems.push(format!("{}: {problem}", faulty[0]));
