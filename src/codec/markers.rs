@@ -29,7 +29,7 @@ use super::stream_error::{StreamResult, malformed};
 pub(super) const RST0: u8 = 0xD0;
 pub(super) const SOI: u8 = 0xD8;
 pub(super) const EOI: u8 = 0xD9;
-pub(crate) const SOS: u8 = 0xDA;
+pub const SOS: u8 = 0xDA;
 pub(super) const DNL: u8 = 0xDC;
 pub(super) const DRI: u8 = 0xDD;
 pub(super) const APP0: u8 = 0xE0;
@@ -38,7 +38,7 @@ const COM: u8 = 0xFE;
 
 /// A marker code, and the offset of its 0xFF byte.
 #[derive(Clone, Copy)]
-pub(crate) struct Marker {
+pub struct Marker {
     pub code: u8,
     pub at: usize,
 }
@@ -52,7 +52,7 @@ impl fmt::Display for Marker {
 /// A read position in a stream or in one of its marker segments.
 ///
 /// The cursor of a segment contains the stream up to the end of the segment, so offsets count from the start of the stream.
-pub(crate) struct Cursor<'a> {
+pub struct Cursor<'a> {
     pub stream: &'a [u8],
     pub at: usize,
     /// Name of the part of the stream that this cursor reads, for error messages.

@@ -7,7 +7,7 @@ use super::markers::{Cursor, SOS};
 use super::{stream_error::StreamResult, writer::Writer};
 
 /// A marker segment, without its length.
-pub(crate) struct MarkerSegment {
+pub struct MarkerSegment {
     /// Marker code, the second byte of the marker.
     pub code: u8,
     /// Content of the segment: the bytes after its length.
@@ -15,7 +15,7 @@ pub(crate) struct MarkerSegment {
 }
 
 /// Splits a stream into segments up to the scan header, and the remaining bytes. Returns an error if a segment is truncated.
-pub(crate) fn split_segments(stream: &[u8]) -> StreamResult<(Vec<MarkerSegment>, &[u8])> {
+pub fn split_segments(stream: &[u8]) -> StreamResult<(Vec<MarkerSegment>, &[u8])> {
     let mut cursor = Cursor::open(stream)?;
     let mut segments = Vec::new();
     loop {
@@ -29,7 +29,7 @@ pub(crate) fn split_segments(stream: &[u8]) -> StreamResult<(Vec<MarkerSegment>,
 }
 
 /// Joins these segments and `data` into a stream.
-pub(crate) fn join_segments(segments: &[MarkerSegment], data: &[u8]) -> Vec<u8> {
+pub fn join_segments(segments: &[MarkerSegment], data: &[u8]) -> Vec<u8> {
     let mut writer = Writer::new();
     for segment in segments {
         writer.write_segment(segment.code, &segment.content);

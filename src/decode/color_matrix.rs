@@ -20,7 +20,7 @@ use crate::input::Input;
 use crate::ptm::ColorMatrix;
 
 /// Reads the sixteen elements in file order (clause 2.6/2).
-pub(crate) fn read(input: &mut Input) -> Result<ColorMatrix> {
+pub fn read(input: &mut Input) -> Result<ColorMatrix> {
     let mut elements = [0.0; 16];
     for (i, element) in elements.iter_mut().enumerate() {
         // lum-layout: sixteen numbers on one line, or any other line breaks.
@@ -34,11 +34,11 @@ pub(crate) fn read(input: &mut Input) -> Result<ColorMatrix> {
 }
 
 /// Returns the rows for red, green and blue of a column-major matrix (clause 2.6/3, ruling `lum-major`).
-pub(crate) fn column_major_rows(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
+pub fn column_major_rows(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
     [0, 1, 2].map(|row| [m[row], m[4 + row], m[8 + row], m[12 + row]])
 }
 
 /// Returns the rows for red, green and blue of a row-major matrix (alternative to ruling `lum-major`).
-pub(crate) fn row_major_rows(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
+pub fn row_major_rows(ColorMatrix(m): &ColorMatrix) -> [[f64; 4]; 3] {
     [0, 4, 8].map(|row| [m[row], m[row + 1], m[row + 2], m[row + 3]])
 }

@@ -43,7 +43,7 @@ use crate::ptm::{Coding, Header, Limits};
 use crate::reading::Reading;
 
 /// A compressed file with decoded streams, before its planes are predicted and corrected.
-pub(crate) struct Streams<'a> {
+pub struct Streams<'a> {
     pub(super) header: Header,
     coding: Coding,
     /// Numbers in the lists (2.9.1–2.9.7), unmodified.
@@ -162,7 +162,7 @@ fn read_number(input: &mut Input, clause: &'static str, name: &'static str) -> R
 }
 
 /// Creates the decoding plan that the lists describe, or returns the reason why they are invalid.
-pub(crate) fn make_plan(lists: &RawLists) -> Result<Plan> {
+pub fn make_plan(lists: &RawLists) -> Result<Plan> {
     let planes = lists.planes;
     let steps = (0..planes)
         .map(|plane| prediction_step(lists, plane))

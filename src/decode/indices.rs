@@ -68,7 +68,7 @@ fn check_indices(
 
 /// Reads one-byte indices if there are at most 256 entries (clauses 2.8.1/2, 2.8.2/2), or else two-byte indices (clauses 2.8.1/3,
 /// 2.8.2/3).
-pub(crate) fn read_indices<'a>(
+pub fn read_indices<'a>(
     table: &LookupTable,
     size: Size,
     input: &mut Input<'a>,
@@ -77,7 +77,7 @@ pub(crate) fn read_indices<'a>(
 }
 
 /// Reads one index of `width` bytes per texel.
-pub(crate) fn read_indices_of_width<'a>(
+pub fn read_indices_of_width<'a>(
     width: usize,
     size: Size,
     input: &mut Input<'a>,
@@ -87,7 +87,7 @@ pub(crate) fn read_indices_of_width<'a>(
 }
 
 /// Decodes an index, low byte first (clauses 1.0/3, 2.8.1/3, 2.8.2/3).
-pub(crate) fn little_endian(stored: &[u8]) -> usize {
+pub fn little_endian(stored: &[u8]) -> usize {
     stored
         .iter()
         .rev()
@@ -95,6 +95,6 @@ pub(crate) fn little_endian(stored: &[u8]) -> usize {
 }
 
 /// Returns the entry for an index, or `None` if the index is out of range (ruling `lut-range`).
-pub(crate) fn valid_entry(index: usize, entries: usize) -> Option<usize> {
+pub fn valid_entry(index: usize, entries: usize) -> Option<usize> {
     (index < entries).then_some(index)
 }

@@ -46,7 +46,7 @@ pub(super) fn read<'a>(
 }
 
 /// Reads `256 N_LUT_ENTRIES`, `256` or `nentries 256` on a separate line (clause 2.5/2, ruling `lut-count`).
-pub(crate) fn read_entry_count(input: &mut Input) -> Result<usize> {
+pub fn read_entry_count(input: &mut Input) -> Result<usize> {
     // lut-count: a keyword cannot start with a digit or a sign, so the first bytes distinguish the spellings.
     let keyword_first = input.rest().starts_with(b"nentries ");
     if keyword_first {
@@ -64,12 +64,12 @@ pub(crate) fn read_entry_count(input: &mut Input) -> Result<usize> {
 
 /// Reads nothing between the table and the indices (ruling `lut-newline`).
 #[allow(clippy::unnecessary_wraps)] // the alternative can fail
-pub(crate) fn read_no_separator(_: &mut Input) -> Result<()> {
+pub fn read_no_separator(_: &mut Input) -> Result<()> {
     Ok(())
 }
 
 /// Reads one line feed between the table and the indices (alternative to ruling `lut-newline`).
-pub(crate) fn read_newline_separator(input: &mut Input) -> Result<()> {
+pub fn read_newline_separator(input: &mut Input) -> Result<()> {
     match input.take("2.5/3", "a line end after the table", 1)? {
         b"\n" => Ok(()),
         other => Err(Error::new(

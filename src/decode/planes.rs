@@ -63,14 +63,14 @@ pub(super) fn take_payload<'a>(
 }
 
 /// Decodes the streams in the order in which the planes are decoded (clause 2.9.8/3).
-pub(crate) fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
+pub fn residuals(coded: &Coded, reading: &Reading) -> Result<Vec<Vec<u8>>> {
     let decode = |&plane: &usize| (reading.stream)(&coded.stream(plane));
     coded.plan.sequence.iter().map(decode).collect()
 }
 
 /// Predicts and corrects the planes one by one, lowest rank first (clause 2.9.4/2). Returns all planes as they are stored, bottom
 /// row first. `residuals` are the decoded streams in decoding order.
-pub(crate) fn reconstruct(
+pub fn reconstruct(
     coded: &Coded,
     residuals: Vec<Vec<u8>>,
     reading: &Reading,
@@ -145,7 +145,7 @@ impl<'a> Coded<'a> {
 }
 
 /// Decodes a stream and returns its samples in stored order (clause 2.9.8/3).
-pub(crate) fn decode_stream(stream: &PlaneStream) -> Result<Vec<u8>> {
+pub fn decode_stream(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (width, height) = (stream.size.width, stream.size.height);
     // plane-stream: a stream with a different size is rejected before memory is allocated for it. JPEG streams use
     // the integer inverse transform of the IJG (clause 2.9.8/11).
@@ -161,12 +161,12 @@ pub(crate) fn decode_stream(stream: &PlaneStream) -> Result<Vec<u8>> {
 }
 
 /// Returns the side information of a plane, regardless of the parameter (clause 2.9.8/10, ruling `side-lossless`).
-pub(crate) fn side_information<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
+pub fn side_information<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     &coded.payload[coded.plan.extents[plane].side.clone()]
 }
 
 /// Returns the side information of a plane, or an empty block for lossless JPEG-LS (alternative to ruling `side-lossless`).
-pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
+pub fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> &'a [u8] {
     if coded.coding == Coding::JpegLs && coded.plan.parameter == 0 {
         &[]
     } else {
@@ -177,7 +177,7 @@ pub(crate) fn side_information_if_lossy<'a>(coded: &Coded<'a>, plane: usize) -> 
 /// Parses a block of side information into positions and values (clause 2.9.8/5).
 ///
 /// `at` is the offset of the block in the file, for errors.
-pub(crate) fn parse_records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>> {
+pub fn parse_records(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>> {
     // P3, P2, P1, P0, V, without separators.
     let (records, rest) = block.as_chunks::<5>();
     if !rest.is_empty() {
@@ -205,7 +205,7 @@ pub(crate) fn parse_records(block: &[u8], at: usize, texels: usize) -> Result<Ve
 
 /// Overwrites decoded values with the values of records (clause 2.9.8/8). If records have the same position, the last
 /// one wins (ruling `side-twice`).
-pub(crate) fn overwrite_samples(plane: &mut [u8], records: &[Record]) {
+pub fn overwrite_samples(plane: &mut [u8], records: &[Record]) {
     for &(position, value) in records {
         plane[position as usize] = value;
     }

@@ -27,7 +27,7 @@ use crate::ptm::{Coding, Size};
 use crate::reading::Reading;
 
 /// Turns the residuals of a plane into its samples, in place.
-pub(crate) fn predict_plane(
+pub fn predict_plane(
     coding: Coding,
     residuals: &mut [u8],
     reference: &[u8],
@@ -43,7 +43,7 @@ pub(crate) fn predict_plane(
 }
 
 /// Returns the reference, first inverted and then displaced (clauses 2.9.2/1, 2.9.2/6, ruling `motion-inversion`).
-pub(crate) fn invert_then_displace<'a>(
+pub fn invert_then_displace<'a>(
     reference: &'a [u8],
     step: &Step,
     size: Size,
@@ -60,7 +60,7 @@ pub(crate) fn invert_then_displace<'a>(
 }
 
 /// Returns the reference, first displaced and then inverted (alternative to ruling `motion-inversion`).
-pub(crate) fn displace_then_invert<'a>(
+pub fn displace_then_invert<'a>(
     reference: &'a [u8],
     step: &Step,
     size: Size,
@@ -77,7 +77,7 @@ pub(crate) fn displace_then_invert<'a>(
 }
 
 /// Replaces each value v with 255 − v (clause 2.9.2/3).
-pub(crate) fn invert(plane: &mut [u8]) {
+pub fn invert(plane: &mut [u8]) {
     for value in plane {
         *value = 255 - *value;
     }
@@ -85,21 +85,21 @@ pub(crate) fn invert(plane: &mut [u8]) {
 
 /// Computes residual + predictor − 128, modulo 256, for JPEG planes (clause 2.9.5/4) and for JPEG-LS planes (clause
 /// 2.9.5/5, ruling `jpeg-ls-offset`).
-pub(crate) fn predict(residuals: &mut [u8], predictor: &[u8]) {
+pub fn predict(residuals: &mut [u8], predictor: &[u8]) {
     for (value, &predicted) in residuals.iter_mut().zip(predictor) {
         *value = value.wrapping_add(predicted).wrapping_sub(128);
     }
 }
 
 /// Computes residual + predictor, modulo 256, for JPEG-LS planes (alternative to ruling `jpeg-ls-offset`).
-pub(crate) fn predict_without_offset(residuals: &mut [u8], predictor: &[u8]) {
+pub fn predict_without_offset(residuals: &mut [u8], predictor: &[u8]) {
     for (value, &predicted) in residuals.iter_mut().zip(predictor) {
         *value = value.wrapping_add(predicted);
     }
 }
 
 /// Displaces a plane by half the vector: the value at (x, y) is the input at (x + mx/2, y + my/2) (clause 2.9.3/2).
-pub(crate) fn displace_plane(
+pub fn displace_plane(
     plane: &[u8],
     size: Size,
     (mx, my): (i64, i64),
@@ -131,33 +131,33 @@ fn half_texel_sample(plane: &[u8], size: Size, x2: i64, y2: i64, reading: &Readi
 }
 
 /// Returns the displacement of a predictor if vectors point from the texel to its predictor (clause 2.9.3/3, ruling `motion-sign`).
-pub(crate) fn texel_to_predictor(displacement: i64) -> i64 {
+pub fn texel_to_predictor(displacement: i64) -> i64 {
     displacement
 }
 
 /// Returns the displacement of a predictor if vectors point from the predictor to the texel (alternative to ruling `motion-sign`).
-pub(crate) fn predictor_to_texel(displacement: i64) -> i64 {
+pub fn predictor_to_texel(displacement: i64) -> i64 {
     displacement.saturating_neg()
 }
 
 /// Returns the displacement if y increases in the order of stored rows (clause 2.9.3/4, ruling `motion-vertical`).
-pub(crate) fn y_along_stored_rows(my: i64) -> i64 {
+pub fn y_along_stored_rows(my: i64) -> i64 {
     my
 }
 
 /// Returns the displacement if y increases downward in the image (alternative to ruling `motion-vertical`).
-pub(crate) fn y_against_stored_rows(my: i64) -> i64 {
+pub fn y_against_stored_rows(my: i64) -> i64 {
     my.saturating_neg()
 }
 
 /// Returns the mean of four samples, with halves rounded up (clause 2.9.3/5, ruling `motion-half`). For two equal
 /// pairs this is (a + b + 1) >> 1, and for four equal samples the sample itself.
-pub(crate) fn mean_rounded_up(samples: [u8; 4]) -> u8 {
+pub fn mean_rounded_up(samples: [u8; 4]) -> u8 {
     ((sum(samples) + 2) >> 2) as u8
 }
 
 /// Returns the mean of four samples, with halves rounded down (alternative to ruling `motion-half`).
-pub(crate) fn mean_rounded_down(samples: [u8; 4]) -> u8 {
+pub fn mean_rounded_down(samples: [u8; 4]) -> u8 {
     (sum(samples) >> 2) as u8
 }
 
@@ -167,19 +167,19 @@ fn sum(samples: [u8; 4]) -> u16 {
 
 /// Returns the sample at a position, or the nearest edge sample if it is outside the plane (clause 2.9.3/6, ruling
 /// `motion-border`).
-pub(crate) fn replicate_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+pub fn replicate_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]
 }
 
 /// Returns the sample at a position, which wraps around at the edges of the plane (alternative to ruling `motion-border`).
-pub(crate) fn wrap_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+pub fn wrap_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     plane[(y.rem_euclid(height) * width + x.rem_euclid(width)) as usize]
 }
 
 /// Returns the sample at a position, or 128 if it is outside the plane (alternative to ruling `motion-border`).
-pub(crate) fn gray_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+pub fn gray_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     if (0..width).contains(&x) && (0..height).contains(&y) {
         plane[(y * width + x) as usize]

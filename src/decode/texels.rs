@@ -30,7 +30,7 @@ use crate::ptm::{Format, Header, Shape, Storage};
 use crate::reading::Reading;
 
 /// Returns the blocks of a format in file order (clauses 2.7.1/1–2, 2.7.2/1, 2.7.3/1–2).
-pub(crate) fn blocks(format: Format) -> &'static [Block] {
+pub fn blocks(format: Format) -> &'static [Block] {
     const fn block(channel: usize, channels: usize, clause: &'static str) -> Block {
         Block {
             channel,
@@ -61,14 +61,14 @@ pub(crate) fn blocks(format: Format) -> &'static [Block] {
     not(unix),
     allow(dead_code, reason = "called only on Unix or by the program")
 )]
-pub(crate) fn block_containing(format: Format, channel: usize) -> Option<(usize, &'static Block)> {
+pub fn block_containing(format: Format, channel: usize) -> Option<(usize, &'static Block)> {
     let contains = |b: &Block| (b.channel..b.channel + b.channels).contains(&channel);
     (blocks(format).iter().enumerate()).find(|(_, block)| contains(block))
 }
 
 /// Converts `row`, which is counted from the top, to the index of the stored row. The bottom row is stored first (clauses
 /// 2.7.1/3, 2.7.2/3, 2.7.3/3, 2.8.1/5, 2.8.2/4), including in compressed planes (clause 2.9.8/9, ruling `rows`).
-pub(crate) fn bottom_row_first(header: &Header, row: usize) -> usize {
+pub fn bottom_row_first(header: &Header, row: usize) -> usize {
     header.size.height as usize - 1 - row
 }
 

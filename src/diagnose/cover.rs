@@ -11,7 +11,7 @@ use super::diagnosis::{Cause, Diagnosis};
 use crate::misreadings::Misreading;
 
 /// A possible cause, with the cases that support and contradict it.
-pub(crate) struct CoverCandidate<T> {
+pub struct CoverCandidate<T> {
     pub cause: T,
     /// Suite indices of the failing cases that the candidate reproduces.
     pub explains: Vec<usize>,
@@ -65,7 +65,7 @@ impl<A> CoverCandidate<&'static Misreading<A>> {
 }
 
 /// Returns candidates, chosen one by one until none explains any case in `failing`. Removes the explained cases from `failing`.
-pub(crate) fn cover<T: Copy>(
+pub fn cover<T: Copy>(
     mut candidates: Vec<CoverCandidate<T>>,
     failing: &mut Vec<usize>,
 ) -> Vec<CoverCandidate<T>> {

@@ -19,7 +19,7 @@ static DECODED_STREAMS: Mutex<Option<(usize, HashMap<(Coding, Size), CachedSampl
     Mutex::new(None);
 
 /// Decodes a stream as the reference does, but decodes equal streams only once.
-pub(crate) fn decode_stream_cached(stream: &PlaneStream) -> Result<Vec<u8>> {
+pub fn decode_stream_cached(stream: &PlaneStream) -> Result<Vec<u8>> {
     let (coding, size) = (stream.coding, stream.size);
     let lookup = |cache: &Option<(usize, HashMap<_, CachedSamples>)>| {
         let (_, decoded) = cache.as_ref()?;

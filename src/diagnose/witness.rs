@@ -417,7 +417,7 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
 }
 
 /// Returns the choices that were inferred for the decoder.
-pub(crate) fn dialect_reading(run: &Run) -> Reading {
+pub fn dialect_reading(run: &Run) -> Reading {
     let judgment = &run.judgment;
     let choices = judgment.dialect.0.iter().zip(&judgment.certainties);
     let settled = choices.map(|(&reading, certain)| match certain {

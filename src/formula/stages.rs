@@ -67,7 +67,7 @@ fn to_byte(value: f64) -> u8 {
     value.floor().rem_euclid(256.0) as u8
 }
 
-pub(crate) fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
+pub fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     match edits.has_stage(Stage::Decoding) {
         true => decode_stages(file, reading, edits),
         false => decode_as(file, reading, &Limits::default()),
@@ -75,7 +75,7 @@ pub(crate) fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm
 }
 
 /// Computes the stored values of a decoded map with edited formulas.
-pub(crate) fn stored_values<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
+pub fn stored_values<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
     let mut ptm = Cow::Borrowed(ptm);
     if edits.has_stage(Stage::Planes) {
         let channels = ptm.planes.shape.channels();
@@ -564,7 +564,7 @@ impl CompressedPlanes<'_> {
 }
 
 /// Computes the final values with edited formulas (2.4).
-pub(crate) fn final_values(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients {
+pub fn final_values(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients {
     let (set, planes) = (&ptm.header.scale_bias, &ptm.planes);
     let mut coefficients = evaluate::compute_coefficients(set, planes, reading);
     if edits.has_stage(Stage::Coefficients) {
@@ -587,7 +587,7 @@ pub(crate) fn final_values(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coeffi
 }
 
 /// Computes the image under a light with edited formulas (1.0, 2.6, 2.7.3).
-pub(crate) fn image(
+pub fn image(
     coefficients: &Coefficients,
     lu: f64,
     lv: f64,

@@ -4,7 +4,7 @@
 const TRAILER_PREFIXES: [&str; 4] = ["at ", "Node.js v", "note: ", "}"];
 
 /// Returns `separator`, a label and the last message on standard error, or an empty string if there is no message.
-pub(crate) fn quote_last_message(separator: &str, stderr: &str) -> String {
+pub fn quote_last_message(separator: &str, stderr: &str) -> String {
     last_message(stderr).map_or(String::new(), |line| {
         format!("{separator}last line of its standard error: {line}")
     })

@@ -20,7 +20,7 @@ pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: 
 }
 
 /// Returns the answer for a refused file. `None` means that a mistake caused the refusal.
-pub(crate) fn refusal_answer(error: Option<Error>) -> Answer {
+pub fn refusal_answer(error: Option<Error>) -> Answer {
     match error {
         Some(error) if error.class() != Class::Malformed => Answer::Unsupported,
         _ => Answer::Rejected,
@@ -29,7 +29,7 @@ pub(crate) fn refusal_answer(error: Option<Error>) -> Answer {
 
 /// Decodes a file as a decoder with these mistakes would, except for mistakes that change decoded planes. Returns the map and the
 /// modified reading. Returns the error that makes the decoder refuse the file, or `None` if a mistake causes the refusal.
-pub(crate) fn read(
+pub fn read(
     misreadings: &[&Misreading],
     reading: Reading,
     file: &[u8],
@@ -49,19 +49,14 @@ pub(crate) fn read(
     Ok((ptm, reading))
 }
 
-pub(crate) fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) -> Reading {
+pub fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) -> Reading {
     misreadings.iter().fold(reading, |reading, misreading| {
         misreading.step.apply_to(reading)
     })
 }
 
 /// Renders a decoded map as a decoder with these mistakes would. `reading` must already include them.
-pub(crate) fn render(
-    misreadings: &[&Misreading],
-    reading: &Reading,
-    ptm: &Ptm,
-    view: &View,
-) -> Answer {
+pub fn render(misreadings: &[&Misreading], reading: &Reading, ptm: &Ptm, view: &View) -> Answer {
     let (ptm, edits) = (
         with_plane_edits(misreadings, ptm),
         formula_edits(misreadings),
@@ -71,7 +66,7 @@ pub(crate) fn render(
 
 /// Computes the samples in `view` for a decoder with these mistakes. Colors are not rounded.
 #[cfg(unix)]
-pub(crate) fn unrounded_values(
+pub fn unrounded_values(
     misreadings: &[&Misreading],
     reading: &Reading,
     ptm: &Ptm,
@@ -93,7 +88,7 @@ fn with_plane_edits<'a>(misreadings: &[&Misreading], ptm: &'a Ptm) -> Cow<'a, Pt
 }
 
 /// Returns the formula edits of these mistakes. If two mistakes edit the same formula, the edit of the later mistake comes first.
-pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
+pub fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     let edits = misreadings
         .iter()
         .rev()
@@ -104,7 +99,7 @@ pub(crate) fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     edits.flatten().collect()
 }
 
-pub(crate) fn plane_edits(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
+pub fn plane_edits(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
     misreadings
         .iter()
         .filter_map(|misreading| match misreading.step {

@@ -83,7 +83,7 @@ struct MisreadingRecord {
 ///
 /// The strings are leaked, which is harmless because each catalog is created only once. Returns an error that names the
 /// offending line.
-pub(crate) fn load_catalog<A>(
+pub fn load_catalog<A>(
     yaml: &str,
     step_from_slug: impl Fn(&str) -> Option<A>,
     step_from_edits: impl Fn(&'static [Edit]) -> Option<A>,

@@ -156,7 +156,7 @@ fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> 
 }
 
 /// Converts diagnoses to the likely causes listed in a report.
-pub(crate) fn likely_causes<C: TestCase, A: 'static>(
+pub fn likely_causes<C: TestCase, A: 'static>(
     suite: &Suite<C>,
     diagnoses: &[Diagnosis<A>],
 ) -> Vec<LikelyCause> {

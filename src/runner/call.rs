@@ -16,13 +16,13 @@ use crate::runner::processes;
 const MAX_STDERR_BYTES: usize = 2000;
 
 /// A duration longer than any timeout, yet short enough to be added to an `Instant`.
-pub(crate) const MAX_WAIT: Duration = Duration::from_secs(365 * 24 * 3600);
+pub const MAX_WAIT: Duration = Duration::from_secs(365 * 24 * 3600);
 
 /// Interval at which memory is measured and the stop flag is checked.
-pub(crate) const POLL_INTERVAL: Duration = Duration::from_millis(50);
+pub const POLL_INTERVAL: Duration = Duration::from_millis(50);
 
 /// Limits of a call.
-pub(crate) struct CallLimits<'a> {
+pub struct CallLimits<'a> {
     /// Maximum number of bytes on standard output.
     pub(crate) output: usize,
     pub(crate) time: Duration,
@@ -33,7 +33,7 @@ pub(crate) struct CallLimits<'a> {
 }
 
 /// A running decoder process.
-pub(crate) struct Call {
+pub struct Call {
     pub(crate) child: Child,
     pub(crate) group: Pid,
     reaped: bool,
@@ -47,7 +47,7 @@ pub(crate) struct Call {
 }
 
 /// The way in which a call ended.
-pub(crate) enum CallEnd {
+pub enum CallEnd {
     /// The process exited on its own.
     Exited(ExitStatus),
     /// The process was killed because it exceeded the timeout.
@@ -61,7 +61,7 @@ pub(crate) enum CallEnd {
 }
 
 /// The output of a call and the way in which it ended.
-pub(crate) struct CallOutput {
+pub struct CallOutput {
     pub(crate) ended: CallEnd,
     pub(crate) stdout: Vec<u8>,
     pub(crate) stderr: Vec<u8>,

@@ -8,7 +8,7 @@ use rustix::io::Errno;
 
 /// A failure of this program, with a remedy.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Trouble(String);
+pub struct Trouble(String);
 
 /// Remedies for known resource shortages.
 const REMEDIES: [(&[Errno], &str); 6] = [
@@ -50,7 +50,7 @@ impl Trouble {
 }
 
 /// Returns true if a program could not be started because of a shortage that affects every program.
-pub(crate) fn is_shortage(error: &io::Error) -> bool {
+pub fn is_shortage(error: &io::Error) -> bool {
     let shortages = [
         Errno::AGAIN,
         Errno::NOMEM,
@@ -63,7 +63,7 @@ pub(crate) fn is_shortage(error: &io::Error) -> bool {
 }
 
 /// Returns true if the file system prevented a write: it is full, over quota, read-only or failing. Another file system may work.
-pub(crate) fn is_file_system_error(error: &io::Error) -> bool {
+pub fn is_file_system_error(error: &io::Error) -> bool {
     let errors = [Errno::NOSPC, Errno::DQUOT, Errno::ROFS, Errno::IO];
     Errno::from_io_error(error).is_some_and(|error| errors.contains(&error))
 }

@@ -8,12 +8,12 @@ use crate::parts::Block;
 use crate::ptm::{Field, Format, Size, channel_name};
 
 /// A description of bytes, the clause that defines them, and their position in the file.
-pub(crate) type Origin = (String, &'static str, Range<usize>);
+pub type Origin = (String, &'static str, Range<usize>);
 
 /// Returns the bytes that determine `channels` of the texel in column `x` and row `y`, counted from the top.
 ///
 /// Returns an empty list if the file ends before these bytes.
-pub(crate) fn origin_of_samples(
+pub fn origin_of_samples(
     format: Format,
     file: &[u8],
     size: Size,
@@ -39,7 +39,7 @@ pub(crate) fn origin_of_samples(
 }
 
 /// Returns the bytes of the scale and the bias of a coefficient.
-pub(crate) fn origin_of_scale_and_bias(file: &[u8], channel: usize) -> Vec<Origin> {
+pub fn origin_of_scale_and_bias(file: &[u8], channel: usize) -> Vec<Origin> {
     let (fields, _) = fields(file);
     let coefficient = channel % 6;
     let mut origins = Vec::new();

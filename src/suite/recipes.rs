@@ -14,7 +14,7 @@ use crate::generate::spelling::{Line, Spelling};
 /// A recipe in a case file: its differences from the default file.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct MakeRecord {
+pub struct MakeRecord {
     format: String,
     size: String,
     scene: Option<String>,

@@ -6,7 +6,7 @@ use std::str::FromStr;
 use serde::de::{DeserializeOwned, IntoDeserializer, value};
 
 /// A combination of the words of `for_each`.
-pub(crate) struct Words<'a>(Vec<(&'a str, &'a str)>);
+pub struct Words<'a>(Vec<(&'a str, &'a str)>);
 
 impl<'a> Words<'a> {
     /// Returns every combination of words. The last key changes fastest.

@@ -26,12 +26,12 @@ pub(super) fn is_clamped(entry: &Entry, t: Vector, dimensions: usize, rules: &Ru
 }
 
 /// Returns the boundary condition of direction `d` (R-BND-02).
-pub(crate) fn condition(entry: &Entry, d: usize) -> Boundary {
+pub fn condition(entry: &Entry, d: usize) -> Boundary {
     entry.boundary[d]
 }
 
 /// Returns true if `t` is outside the map in a direction with an explicit clamp (R-BND-03, R-CLM-02).
-pub(crate) fn is_clamped_in_any_direction(
+pub fn is_clamped_in_any_direction(
     entry: &Entry,
     t: Vector,
     dimensions: usize,
@@ -42,12 +42,12 @@ pub(crate) fn is_clamped_in_any_direction(
 }
 
 /// Returns true if `t` is outside 0 … 1. Both ends are inside (R-BND-01).
-pub(crate) fn is_outside(t: f64) -> bool {
+pub fn is_outside(t: f64) -> bool {
     !(0.0..=1.0).contains(&t)
 }
 
 /// Returns the result of the clamp method (R-CLM-03, R-CLM-04).
-pub(crate) fn apply_clamp_method(entry: &Entry) -> MapValue {
+pub fn apply_clamp_method(entry: &Entry) -> MapValue {
     match entry.clamp_method {
         ClampMethod::Discontinue => MapValue::Discontinued,
         // clamp-color: the color is composed like a texel without alpha.
@@ -56,7 +56,7 @@ pub(crate) fn apply_clamp_method(entry: &Entry) -> MapValue {
 }
 
 /// Maps a texel index that may be out of range to a texel of the map.
-pub(crate) fn fold_index(boundary: Boundary, k: i64, size: usize, rules: &Rules) -> usize {
+pub fn fold_index(boundary: Boundary, k: i64, size: usize, rules: &Rules) -> usize {
     match boundary {
         Boundary::Wrap => (rules.wrap)(k, size),
         Boundary::Mirror => (rules.mirror)(k, size),
@@ -66,17 +66,17 @@ pub(crate) fn fold_index(boundary: Boundary, k: i64, size: usize, rules: &Rules)
 }
 
 /// Repeats the map: an index beyond an edge continues at the opposite edge (R-BND-05).
-pub(crate) fn wrap(k: i64, size: usize) -> usize {
+pub fn wrap(k: i64, size: usize) -> usize {
     k.rem_euclid(size as i64) as usize
 }
 
 /// Mirrors the map at its edges, where the edge texels are repeated (R-BND-06).
-pub(crate) fn mirror(k: i64, size: usize) -> usize {
+pub fn mirror(k: i64, size: usize) -> usize {
     let m = k.rem_euclid(2 * size as i64) as usize;
     if m < size { m } else { 2 * size - 1 - m }
 }
 
 /// Clamps an index to the closest texel of the map (R-BND-04).
-pub(crate) fn clamp_to_edge(k: i64, size: usize) -> usize {
+pub fn clamp_to_edge(k: i64, size: usize) -> usize {
     k.clamp(0, size as i64 - 1) as usize
 }

@@ -21,11 +21,11 @@ impl TextureMap {
 }
 
 /// Returns the side lengths in texels of the default map and of a square (R-SEL-12).
-pub(crate) fn board_and_square_size() -> (usize, usize) {
+pub fn board_and_square_size() -> (usize, usize) {
     (16, 2)
 }
 
 /// Returns true if square (i, j) of the default map is white, like square (0, 0) (R-SEL-13).
-pub(crate) fn is_white_square(i: usize, j: usize) -> bool {
+pub fn is_white_square(i: usize, j: usize) -> bool {
     (i + j).is_multiple_of(2)
 }

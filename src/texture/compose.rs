@@ -40,7 +40,7 @@ pub fn compose(
 }
 
 /// Applies the composition method to a texel. The clamp color is treated as a texel without alpha (ruling `clamp-color`).
-pub(crate) fn compose_texel(
+pub fn compose_texel(
     entry: &Entry,
     texel: &Texel,
     input: Shade,
@@ -65,7 +65,7 @@ pub(crate) fn compose_texel(
 }
 
 /// Composes with method Replace (R-CMP-30, R-CMP-31).
-pub(crate) fn replace(x: &Terms) -> Shade {
+pub fn replace(x: &Terms) -> Shade {
     Shade {
         color: multiply(x.white, x.color),
         alpha: x.alpha.unwrap_or(x.input.alpha),
@@ -73,7 +73,7 @@ pub(crate) fn replace(x: &Terms) -> Shade {
 }
 
 /// Composes with method Modulate (R-CMP-32, R-CMP-33).
-pub(crate) fn modulate(x: &Terms) -> Shade {
+pub fn modulate(x: &Terms) -> Shade {
     Shade {
         color: multiply(x.input.color, x.color),
         alpha: x.input.alpha * x.alpha.unwrap_or(1.0),
@@ -81,7 +81,7 @@ pub(crate) fn modulate(x: &Terms) -> Shade {
 }
 
 /// Composes with method `BlendEnvColor` (R-CMP-34, R-CMP-35).
-pub(crate) fn blend_env_color(x: &Terms) -> Shade {
+pub fn blend_env_color(x: &Terms) -> Shade {
     let environment = multiply(x.white, x.entry.env_color);
     Shade {
         color: mix(x.input.color, environment, x.gamma),
@@ -90,7 +90,7 @@ pub(crate) fn blend_env_color(x: &Terms) -> Shade {
 }
 
 /// Composes with method Decal (R-CMP-36, R-CMP-37).
-pub(crate) fn decal(x: &Terms) -> Shade {
+pub fn decal(x: &Terms) -> Shade {
     let weight = x.alpha.unwrap_or(1.0);
     Shade {
         color: mix(x.input.color, multiply(x.white, x.color), [weight; 3]),
@@ -99,7 +99,7 @@ pub(crate) fn decal(x: &Terms) -> Shade {
 }
 
 /// Composes with method `DecalBackground` (R-CMP-38, R-CMP-39).
-pub(crate) fn decal_background(x: &Terms) -> Shade {
+pub fn decal_background(x: &Terms) -> Shade {
     let weight = x.alpha.unwrap_or(1.0);
     let covered = mix(x.entry.background_color, x.color, [weight; 3]);
     Shade {
@@ -110,7 +110,7 @@ pub(crate) fn decal_background(x: &Terms) -> Shade {
 
 /// Returns Γ: the selected channel, or the luminance (R-CMP-18, R-CHN-01 … R-CHN-04, ruling `gamma`). If alpha is selected,
 /// a texel without alpha is treated as opaque (ruling `no-alpha-to-select`).
-pub(crate) fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
+pub fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
     let rgb = texel_color(texel);
     let gamma = texel.luminance().unwrap_or(match entry.channel {
         Channel::Red => rgb[0],
@@ -121,11 +121,11 @@ pub(crate) fn selected_channel(entry: &Entry, texel: &Texel) -> Color {
     [gamma; 3]
 }
 
-pub(crate) fn multiply(a: Color, b: Color) -> Color {
+pub fn multiply(a: Color, b: Color) -> Color {
     [0, 1, 2].map(|c| a[c] * b[c])
 }
 
 /// Interpolates from `a` to `b`. `weight` is the weight of `b`, per channel.
-pub(crate) fn mix(a: Color, b: Color, weight: Color) -> Color {
+pub fn mix(a: Color, b: Color, weight: Color) -> Color {
     [0, 1, 2].map(|c| (1.0 - weight[c]) * a[c] + weight[c] * b[c])
 }

@@ -243,7 +243,7 @@ impl Default for Entry {
 }
 
 /// Returns the fallback values of all fields, in the order of the table (R-TBL-03 … R-TBL-17).
-pub(crate) fn fallback_values() -> Entry {
+pub fn fallback_values() -> Entry {
     Entry {
         map_ids: Vec::new(),
         rendering_control: RenderingControl::PostLight,

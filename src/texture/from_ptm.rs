@@ -47,7 +47,7 @@ impl TextureMap {
 }
 
 /// Returns the texels of an image, bottom row first (ruling `ptm-rows`).
-pub(crate) fn rows_bottom_up(image: &RelitImage) -> Vec<[f64; 3]> {
+pub fn rows_bottom_up(image: &RelitImage) -> Vec<[f64; 3]> {
     let width = image.size.width as usize;
     let rows = image.values.chunks_exact(3 * width).rev();
     rows.flat_map(|row| row.chunks_exact(3).map(|c| [c[0], c[1], c[2]]))
@@ -55,6 +55,6 @@ pub(crate) fn rows_bottom_up(image: &RelitImage) -> Vec<[f64; 3]> {
 }
 
 /// Rounds to the nearest integer, with halves rounded up (ruling `ptm-texels`).
-pub(crate) fn round_half_up(value: f64) -> f64 {
+pub fn round_half_up(value: f64) -> f64 {
     (value + 0.5).floor()
 }

@@ -41,7 +41,7 @@ impl TexelKind {
 }
 
 /// Indices of two neighboring cells along a dimension, each with its weight. The weights sum to 1.
-pub(crate) type CellPair = [(usize, f64); 2];
+pub type CellPair = [(usize, f64); 2];
 
 /// Sample of a texture map.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -111,7 +111,7 @@ impl Texel {
 }
 
 /// Returns the color of a texel: (R, G, B) or (L, L, L) (R-CMP-14).
-pub(crate) fn texel_color(texel: &Texel) -> Color {
+pub fn texel_color(texel: &Texel) -> Color {
     let v = texel.values;
     match texel.luminance() {
         Some(luminance) => [luminance; 3],
@@ -236,6 +236,6 @@ fn covered_cells(at: usize, fine: usize, coarse: usize) -> Vec<(usize, f64)> {
 }
 
 /// Returns the index of the texel with coordinates `at` in a level. t0 varies fastest, then t1, then t2 (ruling `texel-order`).
-pub(crate) fn texel_offset(size: [usize; 3], at: [usize; 3]) -> usize {
+pub fn texel_offset(size: [usize; 3], at: [usize; 3]) -> usize {
     (at[2] * size[1] + at[1]) * size[0] + at[0]
 }

@@ -20,7 +20,7 @@ pub fn orient(matrix: &Matrix, t: Vector, rules: &Rules) -> Vector {
 }
 
 /// Computes O·(t, 1), divided by w (R-ORI-01, rulings `matrix-storage`, `orientation-w`).
-pub(crate) fn rows_times_column(matrix: &Matrix, t: Vector) -> Vector {
+pub fn rows_times_column(matrix: &Matrix, t: Vector) -> Vector {
     let row =
         |r: usize| matrix[r][0] * t[0] + matrix[r][1] * t[1] + matrix[r][2] * t[2] + matrix[r][3];
     let w = match row(3) {
@@ -49,12 +49,12 @@ pub fn interpolate(
     }
 }
 
-pub(crate) fn interpolate_linearly(ts: &[Vector], b: &[f64], _w: &[f64]) -> Vector {
+pub fn interpolate_linearly(ts: &[Vector], b: &[f64], _w: &[f64]) -> Vector {
     [0, 1, 2].map(|c| ts.iter().zip(b).map(|(t, b)| b * t[c]).sum())
 }
 
 /// Interpolates with perspective correction: t is the quotient of t/w and 1/w, which are linear on the screen (R-ORI-04).
-pub(crate) fn interpolate_in_perspective(ts: &[Vector], b: &[f64], w: &[f64]) -> Vector {
+pub fn interpolate_in_perspective(ts: &[Vector], b: &[f64], w: &[f64]) -> Vector {
     let weights: Vec<f64> = b.iter().zip(w).map(|(b, w)| b / w).collect();
     let sum: f64 = weights.iter().sum();
     interpolate_linearly(ts, &weights, w).map(|t| t / sum)
@@ -71,7 +71,7 @@ pub fn site(interpolation: Interpolation, frequency: Frequency, rules: &Rules) -
     clippy::match_same_arms,
     reason = "one line per row of the table is easier to read"
 )]
-pub(crate) fn sampling_site(interpolation: Interpolation, frequency: Frequency) -> Site {
+pub fn sampling_site(interpolation: Interpolation, frequency: Frequency) -> Site {
     match (frequency, interpolation) {
         (Frequency::Pixel, _) => Site::Pixel,
         (_, Interpolation::None) => Site::Facet,

@@ -33,7 +33,7 @@ pub fn parameterize(
 }
 
 /// Applies the parameterization method of the entry.
-pub(crate) fn apply_method(
+pub fn apply_method(
     entry: &Entry,
     point: &Point,
     dimensions: usize,
@@ -63,29 +63,29 @@ pub(crate) fn apply_method(
 }
 
 /// Returns the vertex in view reference coordinates (R-PAR-30).
-pub(crate) fn vertex_in_vrc(point: &Point) -> VertexData {
+pub fn vertex_in_vrc(point: &Point) -> VertexData {
     point.vrc.clone()
 }
 
 /// Returns the vertex in world coordinates (R-PAR-35).
-pub(crate) fn vertex_in_wc(point: &Point) -> VertexData {
+pub fn vertex_in_wc(point: &Point) -> VertexData {
     point.wc.clone()
 }
 
 /// Returns the normal of the vertex, or the geometric normal if there is none (R-PAR-15 … R-PAR-18).
-pub(crate) fn normal(vertex: &VertexData) -> Option<Vector> {
+pub fn normal(vertex: &VertexData) -> Option<Vector> {
     vertex.normal.or(vertex.geometric_normal)
 }
 
 /// Returns (u, v, 0) on a B-spline surface, and (0, 0, 0) elsewhere (R-PAR-19, R-PAR-20).
-pub(crate) fn spline_parameters(point: &Point) -> Vector {
+pub fn spline_parameters(point: &Point) -> Vector {
     let (u, v) = point.spline.as_ref().map_or((0.0, 0.0), |s| (s.u, s.v));
     [u, v, 0.0]
 }
 
 /// Returns as many data values as the map has dimensions, beginning at `index` (R-PAR-21 … R-PAR-23). On a B-spline surface, the
 /// first value of each data spline is used (R-PAR-24).
-pub(crate) fn float_data(point: &Point, index: usize, count: usize) -> Result<Vector, NoValue> {
+pub fn float_data(point: &Point, index: usize, count: usize) -> Result<Vector, NoValue> {
     let mut t = [0.0; 3];
     for (i, t) in t.iter_mut().enumerate().take(count) {
         let at = index.saturating_add(i);
@@ -128,7 +128,7 @@ fn sight(point: &Point, vertex: &VertexData, rules: &Rules) -> Result<Vector, No
 }
 
 /// Returns the unit vector from the eye to the vertex, or zero if they coincide (R-PAR-29).
-pub(crate) fn sight_from_eye(eye: Vector, position: Vector) -> Vector {
+pub fn sight_from_eye(eye: Vector, position: Vector) -> Vector {
     let direction = [0, 1, 2].map(|c| position[c] - eye[c]);
     let length = length(direction);
     if length == 0.0 {
@@ -145,13 +145,13 @@ pub fn reflect(i: Vector, n: Vector) -> Vector {
 }
 
 /// Computes M·(s, 0), which rotates a direction without translation (ruling `reflection-matrix`).
-pub(crate) fn rotate(matrix: &Matrix, s: Vector) -> Vector {
+pub fn rotate(matrix: &Matrix, s: Vector) -> Vector {
     [0, 1, 2].map(|row| dot([matrix[row][0], matrix[row][1], matrix[row][2]], s))
 }
 
 /// Returns the angle of `s` around the y axis, from 0 to 2π. It is measured from +x, counterclockwise as seen from +y. The angle
 /// is 0 if `s` is on the y axis (ruling `poles`).
-pub(crate) fn azimuth(s: Vector) -> f64 {
+pub fn azimuth(s: Vector) -> f64 {
     if s[0] == 0.0 && s[2] == 0.0 {
         return 0.0;
     }
@@ -161,13 +161,13 @@ pub(crate) fn azimuth(s: Vector) -> f64 {
 
 /// Maps each half turn of the azimuth to 0 … 1. The seams are at +x and −x, ½ is toward the viewer, and values increase to the
 /// right (R-PAR-27, ruling `vrc-azimuth`).
-pub(crate) fn half_turn_fraction(s: Vector) -> f64 {
+pub fn half_turn_fraction(s: Vector) -> f64 {
     (azimuth(s) / PI).fract()
 }
 
 /// Maps x linearly to t0 (alternative to ruling `vrc-azimuth`).
 #[cfg(feature = "harness")]
-pub(crate) fn azimuth_proportional_to_x(s: Vector) -> f64 {
+pub fn azimuth_proportional_to_x(s: Vector) -> f64 {
     let radius = s[0].hypot(s[2]);
     if radius == 0.0 {
         return 0.0;
@@ -176,31 +176,31 @@ pub(crate) fn azimuth_proportional_to_x(s: Vector) -> f64 {
 }
 
 /// Maps a full turn of the azimuth to 0 … 1, with the seam at +x (R-PAR-34, ruling `wc-azimuth`).
-pub(crate) fn full_turn_fraction(s: Vector) -> f64 {
+pub fn full_turn_fraction(s: Vector) -> f64 {
     azimuth(s) / (2.0 * PI)
 }
 
 /// Returns the angle from −y as a fraction of a half turn, 0 at −y and 1 at +y (rulings `vrc-height`, `wc-height`).
-pub(crate) fn height_by_angle(s: Vector) -> f64 {
+pub fn height_by_angle(s: Vector) -> f64 {
     (-s[1] / length(s)).clamp(-1.0, 1.0).acos() / PI
 }
 
 /// Maps y linearly to t1 (alternative to rulings `vrc-height` and `wc-height`).
 #[cfg(feature = "harness")]
-pub(crate) fn height_by_y(s: Vector) -> f64 {
+pub fn height_by_y(s: Vector) -> f64 {
     f64::midpoint(1.0, s[1] / length(s))
 }
 
 /// Returns the angle from +y as a fraction of a half turn (alternative to rulings `vrc-height` and `wc-height`).
 #[cfg(feature = "harness")]
-pub(crate) fn height_from_top(s: Vector) -> f64 {
+pub fn height_from_top(s: Vector) -> f64 {
     1.0 - height_by_angle(s)
 }
 
-pub(crate) fn dot(a: Vector, b: Vector) -> f64 {
+pub fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(crate) fn length(a: Vector) -> f64 {
+pub fn length(a: Vector) -> f64 {
     dot(a, a).sqrt()
 }

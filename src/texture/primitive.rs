@@ -197,7 +197,7 @@ pub struct Shade {
 
 /// Terms of the composition equations.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Terms<'a> {
+pub struct Terms<'a> {
     /// C and A: color and alpha of the primitive.
     pub input: Shade,
     /// W: light on a white surface in the split form, or white in the direct form.

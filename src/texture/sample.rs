@@ -52,7 +52,7 @@ pub fn fetch(
 }
 
 /// Returns the sampling method for magnification or minification (R-SMP-02, R-SMP-03).
-pub(crate) fn method(entry: &Entry, magnify: bool) -> SampleMethod {
+pub fn method(entry: &Entry, magnify: bool) -> SampleMethod {
     match magnify {
         true => entry.mag_sample,
         false => entry.min_sample,
@@ -95,12 +95,12 @@ fn weighted_average(
 }
 
 /// Returns ⌊t·N⌋, the index of the cell that contains `t` (rulings `texel-grid`, `texel-tie`).
-pub(crate) fn cell_index(boundary: Boundary, t: f64, size: usize, rules: &Rules) -> usize {
+pub fn cell_index(boundary: Boundary, t: f64, size: usize, rules: &Rules) -> usize {
     fold_index(boundary, (t * size as f64).floor() as i64, size, rules)
 }
 
 /// Returns the two cells whose centers are closest to `t`, with linear weights (rulings `texel-grid`, `weights`).
-pub(crate) fn cells_around(boundary: Boundary, t: f64, size: usize, rules: &Rules) -> CellPair {
+pub fn cells_around(boundary: Boundary, t: f64, size: usize, rules: &Rules) -> CellPair {
     let u = t * size as f64 - 0.5;
     let (k, weight) = (u.floor() as i64, u - u.floor());
     [
@@ -114,13 +114,13 @@ pub(crate) fn cells_around(boundary: Boundary, t: f64, size: usize, rules: &Rule
 
 /// Returns the index of the closest texel if texel k of N is the point k/(N − 1) (alternative to ruling `texel-grid`).
 #[cfg(feature = "harness")]
-pub(crate) fn point_index(boundary: Boundary, t: f64, size: usize, _: &Rules) -> usize {
+pub fn point_index(boundary: Boundary, t: f64, size: usize, _: &Rules) -> usize {
     ((fold_coordinate(boundary, t) * (size - 1) as f64).round() as usize).min(size - 1)
 }
 
 /// Returns the two points closest to `t` with linear weights (alternative to ruling `texel-grid`).
 #[cfg(feature = "harness")]
-pub(crate) fn points_around(boundary: Boundary, t: f64, size: usize, _: &Rules) -> CellPair {
+pub fn points_around(boundary: Boundary, t: f64, size: usize, _: &Rules) -> CellPair {
     let u = fold_coordinate(boundary, t) * (size - 1) as f64;
     let k = u.floor();
     let at = |k: f64| (k as usize).min(size - 1);
@@ -140,13 +140,13 @@ fn fold_coordinate(boundary: Boundary, t: f64) -> f64 {
 }
 
 /// Returns the level closest to the depth, or the lower level if two are equally close (R-SMP-06, ruling `level-tie`).
-pub(crate) fn closest_level(depth: f64, top: usize) -> usize {
+pub fn closest_level(depth: f64, top: usize) -> usize {
     ((depth - 0.5).ceil().max(0.0) as usize).min(top)
 }
 
 /// Returns the two levels closest to the depth, and the weight of the upper level. Depths out of range are clamped (R-SMP-08 …
 /// R-SMP-11).
-pub(crate) fn levels_around(depth: f64, top: usize) -> (usize, usize, f64) {
+pub fn levels_around(depth: f64, top: usize) -> (usize, usize, f64) {
     let depth = depth.clamp(0.0, top as f64);
     let lower = depth.floor();
     (lower as usize, (lower as usize + 1).min(top), depth - lower)

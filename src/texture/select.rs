@@ -29,21 +29,21 @@ pub fn select(surface: &Surface, rules: &Rules) -> Selection {
 
 /// Returns true if the facet uses the separate style and list for back-facing facets. This requires that the facet is back-facing
 /// and that facets are distinguished (R-SEL-02).
-pub(crate) fn uses_back(surface: &Surface) -> bool {
+pub fn uses_back(surface: &Surface) -> bool {
     surface.facet_distinguish && surface.back_facing
 }
 
 /// Returns true if the style is Texture (R-SEL-01).
-pub(crate) fn is_textured(style: InteriorStyle) -> bool {
+pub fn is_textured(style: InteriorStyle) -> bool {
     style == InteriorStyle::Texture
 }
 
 /// Selects the default map (R-SEL-06).
-pub(crate) fn default_map() -> Selection {
+pub fn default_map() -> Selection {
     Selection::Default
 }
 
 /// Returns the first `max_maps` indices (R-SEL-04).
-pub(crate) fn within_limit(active: &[i64], max_maps: usize) -> Vec<i64> {
+pub fn within_limit(active: &[i64], max_maps: usize) -> Vec<i64> {
     active.iter().copied().take(max_maps).collect()
 }

@@ -29,7 +29,7 @@ pub fn stage(
 }
 
 /// Applies `PreLight` maps, the light, and `PostLight` maps.
-pub(crate) fn apply_all_maps(
+pub fn apply_all_maps(
     maps: &[(Entry, MapValue)],
     lit: &LitPrimitive,
     interpolation: Interpolation,
@@ -59,13 +59,13 @@ pub(crate) fn apply_all_maps(
 }
 
 /// Returns true if light is computed per facet or vertex, but the texture is sampled per pixel (R-CMP-20, R-CMP-23).
-pub(crate) fn is_split(interpolation: Interpolation, frequency: Frequency) -> bool {
+pub fn is_split(interpolation: Interpolation, frequency: Frequency) -> bool {
     matches!(interpolation, Interpolation::None | Interpolation::Color)
         && frequency == Frequency::Pixel
 }
 
 /// Adds the highlight (R-CMP-13).
-pub(crate) fn add_specular(shade: Shade, specular: Color) -> Shade {
+pub fn add_specular(shade: Shade, specular: Color) -> Shade {
     Shade {
         color: [0, 1, 2].map(|c| shade.color[c] + specular[c]),
         ..shade
@@ -73,7 +73,7 @@ pub(crate) fn add_specular(shade: Shade, specular: Color) -> Shade {
 }
 
 /// Performs the reflectance calculation: CW·C + CS.
-pub(crate) fn apply_light(shade: Shade, lit: &LitPrimitive) -> Shade {
+pub fn apply_light(shade: Shade, lit: &LitPrimitive) -> Shade {
     let color = multiply(lit.white, shade.color);
     add_specular(Shade { color, ..shade }, lit.specular)
 }

@@ -21,11 +21,11 @@ pub fn resolve(table: &Table, index: i64, rules: &Rules) -> Result<Entry, NoValu
 }
 
 /// Returns true if the index is from 1 to 65535 (R-RST-02).
-pub(crate) fn is_valid_index(index: i64) -> bool {
+pub fn is_valid_index(index: i64) -> bool {
     (1..=65535).contains(&index)
 }
 
 /// Returns entry 1 (R-RST-03), or the fallback values if entry 1 is undefined (ruling `undefined-entry`).
-pub(crate) fn entry_one_or_fallback(table: &Table, rules: &Rules) -> Entry {
+pub fn entry_one_or_fallback(table: &Table, rules: &Rules) -> Entry {
     table.get(&1).cloned().unwrap_or_else(rules.fallback_values)
 }

@@ -32,7 +32,7 @@ const LUMINANCE_STEPS: [u32; 64] = [
 ];
 
 /// Returns the quantization steps for a quality (1 … 100), in row order.
-pub(crate) fn scaled_steps(quality: u8, baseline: bool) -> [u16; 64] {
+pub fn scaled_steps(quality: u8, baseline: bool) -> [u16; 64] {
     let percent = match u32::from(quality) {
         quality @ ..50 => 5000 / quality,
         quality => 200 - 2 * quality,

@@ -11,7 +11,7 @@
 //! ```
 
 /// Row-order positions of the coefficients, in the order of the stream.
-pub(crate) const ZIGZAG: [u8; 64] = [
+pub const ZIGZAG: [u8; 64] = [
     0, 1, 8, 16, 9, 2, 3, 10, //
     17, 24, 32, 25, 18, 11, 4, 5, //
     12, 19, 26, 33, 40, 48, 41, 34, //

@@ -16,7 +16,7 @@ use super::{parameters::Parameters, template::Neighbors};
 
 /// Predicts a sample from its neighbors (A.4.1).
 #[inline]
-pub(crate) fn predict(neighbors: Neighbors) -> i32 {
+pub fn predict(neighbors: Neighbors) -> i32 {
     let Neighbors { a, b, c, .. } = neighbors;
     if c >= a.max(b) {
         a.min(b)

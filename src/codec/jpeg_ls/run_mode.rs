@@ -21,7 +21,7 @@ use super::contexts::{golomb_parameter, initial_error_sum};
 use super::parameters::Parameters;
 
 /// J by `RUNindex`: a 1 bit in the stream means 2^J samples (A.2.1).
-pub(crate) const J: [u32; 32] = [
+pub const J: [u32; 32] = [
     0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7, 8, 9, 10, 11, 12, 13,
     14, 15,
 ];

@@ -27,7 +27,7 @@ pub(super) struct Lines {
 
 /// The four neighbors of a sample.
 #[derive(Clone, Copy)]
-pub(crate) struct Neighbors {
+pub struct Neighbors {
     pub a: i32,
     pub b: i32,
     pub c: i32,

@@ -11,7 +11,7 @@ use crate::suite::name::SuiteName;
 
 /// Results of a run for one clause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct ClauseTally {
+pub struct ClauseTally {
     /// Number of cases that passed.
     pub passed: usize,
     /// Number of cases that failed.

@@ -18,7 +18,7 @@ use crate::suite::dialect::RightDialects;
 use crate::suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
 use crate::suite::texture::cases::TextureCase;
 
-pub(crate) fn case_evidence(case: &Case, table: TableSpelling, observed: &Observation) -> Markup {
+pub fn case_evidence(case: &Case, table: TableSpelling, observed: &Observation) -> Markup {
     let built = case.build(table);
     let shown = match &observed.response {
         Response::Image {
@@ -43,7 +43,7 @@ pub(crate) fn case_evidence(case: &Case, table: TableSpelling, observed: &Observ
 const MAX_DOWNLOAD_BYTES: usize = 4 << 10;
 
 /// Renders a download link for a file, or the size of the file if it is too large to embed.
-pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
+pub fn download(name: &str, file: &[u8]) -> Markup {
     html! {
         p.download {
             @if file.len() <= MAX_DOWNLOAD_BYTES {
@@ -54,7 +54,7 @@ pub(crate) fn download(name: &str, file: &[u8]) -> Markup {
     }
 }
 
-pub(crate) fn question_evidence(case: &TextureCase, observed: &Observation<TextureCase>) -> Markup {
+pub fn question_evidence(case: &TextureCase, observed: &Observation<TextureCase>) -> Markup {
     let received = match &observed.response {
         Response::Image { frame, .. } => frame.as_ref().unwrap_or(&case.expect).to_string(),
         other => other.name().to_owned(),
@@ -73,7 +73,7 @@ pub(crate) fn question_evidence(case: &TextureCase, observed: &Observation<Textu
 }
 
 /// Renders the recorded standard error of the decoder, or only the end of it if it is long.
-pub(crate) fn standard_error(stderr: &str) -> Markup {
+pub fn standard_error(stderr: &str) -> Markup {
     const MAX_CHARS: usize = 700;
     let skipped = stderr.chars().count().saturating_sub(MAX_CHARS);
     let end: String = stderr.chars().skip(skipped).collect();
@@ -190,7 +190,7 @@ fn render_file_beginning(built: &Built) -> Markup {
 }
 
 /// Formats a number with up to four decimal places, or in scientific notation if it is very small or large.
-pub(crate) fn number(value: f64) -> String {
+pub fn number(value: f64) -> String {
     if value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e7) {
         return format!("{value:.4e}");
     }
