@@ -160,3 +160,38 @@ fn describe(search: &Search, mut found: Vec<search::Member>) -> Vec<Diagnosis> {
     let attributed = attributed.into_iter().map(|(_, diagnosis)| diagnosis);
     attributed.chain(causes).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::protocol::frame::{Answer, Samples};
+    use crate::reading::Reading;
+    use crate::runner::run::{Reply, Request};
+    use crate::session::{plan::RunPlan, run::check};
+
+    #[test]
+    fn panic_in_the_source_of_candidates_loses_no_failure() {
+        let mut suite = Suite::load().expect("the suite loads");
+        suite.cases.retain(|case| case.first);
+        let ask = |request: &Request<'_>, _: usize| {
+            let mut answer = misreadings::answer(&[], Reading::SPEC, request.file, request.view);
+            if let Answer::Decoded(frame) = &mut answer
+                && let Samples::U8(samples) = &mut frame.samples
+            {
+                for sample in samples {
+                    *sample ^= 0x55;
+                }
+            }
+            Reply::from(answer)
+        };
+        let run = check(&suite, &RunPlan::new(&suite, 1), &ask, &|_, _, _, _| ());
+        let witnesses = witnesses(&suite, &run, None, 1);
+        let catalog: Vec<&Misreading> = misreadings::all().collect();
+        let mut search = Search::new(&witnesses, &catalog, &[], 1, &run);
+        let found = search.run(|_, _, _| panic!("index 3 of 2"));
+        let causes = describe(&search, found);
+        assert_eq!(search.faults(), ["index 3 of 2"]);
+        let explained: usize = causes.iter().map(|cause| cause.explains.len()).sum();
+        assert_eq!(explained, run.judgment.with_outcome(Outcome::Fail).count());
+    }
+}
