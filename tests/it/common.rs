@@ -12,6 +12,7 @@ use ptm_conform::kit::yaml::from_yaml;
 use serde_json::Value;
 use tempfile::TempDir;
 
+pub use crate::skip::skip;
 pub use crate::table::rows;
 
 /// Temporary working directory of the program. Command lines can therefore use file names without a path.
@@ -170,11 +171,7 @@ pub fn processes(matches: impl Fn(&str, &str) -> bool) -> Vec<(String, String)> 
 
 /// Returns true if /proc lists processes. Prints SKIPPED if not.
 pub fn have_proc() -> bool {
-    let exists = Path::new("/proc/self/environ").exists();
-    if !exists {
-        println!("SKIPPED: /proc does not exist");
-    }
-    exists
+    Path::new("/proc/self/environ").exists() || skip("/proc")
 }
 
 /// Result of running `check` or `check-writer`.
@@ -326,10 +323,32 @@ pub fn repository_text(path: &str) -> String {
     fs::read_to_string(repository(path)).unwrap_or_else(|error| panic!("{path}: {error}"))
 }
 
-/// Returns true if a program can be started. Prints SKIPPED if not.
+/// Returns true if a program is installed and runs a trivial program of the kind that the tests run. A compiler without headers, a
+/// Java without its compiler, or a version that is too old counts as missing. If the program is missing, prints SKIPPED.
 pub fn have_tool(program: &str) -> bool {
-    let starts = Command::new(program).arg("--version").output().is_ok();
-    starts || skip(&format!("{program} is not installed"))
+    let (trial, what) = match program {
+        "python3" => (
+            "python3 -c 'import sys; sys.exit(sys.version_info < (3, 9))'",
+            "python3, version 3.9 or later",
+        ),
+        "node" => (
+            "node -e 'process.exit(parseInt(process.versions.node) < 18)'",
+            "node, version 18 or later",
+        ),
+        "java" => (
+            "java --list-modules | grep -q '^jdk[.]compiler@'",
+            "java with its compiler (a JDK), version 11 or later",
+        ),
+        "cc" => (
+            "printf '#include <math.h>\\n#include <stdio.h>\\nint main(void) { return 0; }' | cc -x c -o /dev/null - -lm",
+            "cc with the headers of the C library",
+        ),
+        "chromium" | "chromedriver" => {
+            return starts(&format!("{program} --version")) || skip(program);
+        }
+        _ => return starts(&format!("command -v {program}")) || skip(program),
+    };
+    starts(trial) || skip(what)
 }
 
 /// Returns true if the standard library is installed for a compiler target. Prints SKIPPED if not.
@@ -338,25 +357,19 @@ pub fn have_target(target: &str) -> bool {
         .args(["--print", "target-libdir", "--target", target])
         .output();
     libraries.is_ok_and(|output| Path::new(String::from_utf8_lossy(&output.stdout).trim()).exists())
-        || skip(&format!("rustc has no target {target}"))
+        || skip(&format!("rustc with the target {target}"))
 }
 
-/// Returns true if the packages are installed for python3. Prints SKIPPED if not.
+/// Returns true if these modules or packages can be imported in python3. Prints SKIPPED if not.
 pub fn have_python(packages: &[&str]) -> bool {
     let imports = packages.join(", ");
-    let imported = Command::new("python3")
-        .args(["-c", &format!("import {imports}")])
-        .output();
-    imported.is_ok_and(|output| output.status.success())
-        || skip(&format!("python3 with {imports} is not installed"))
+    have_tool("python3")
+        && (starts(&format!("python3 -c 'import {imports}'"))
+            || skip(&format!("{imports} for python3")))
 }
 
-/// Prints why a test is skipped and returns false. Panics if `PTM_CONFORM_SKIP_NOTHING` is set.
-fn skip(why: &str) -> bool {
-    println!("SKIPPED: {why}");
-    assert!(
-        std::env::var_os("PTM_CONFORM_SKIP_NOTHING").is_none(),
-        "no test may be skipped here: {why}"
-    );
-    false
+/// Returns true if a shell command succeeds.
+pub fn starts(command: &str) -> bool {
+    let output = Command::new("sh").args(["-c", command]).output();
+    output.is_ok_and(|output| output.status.success())
 }

@@ -6,6 +6,7 @@ mod common;
 mod in_process;
 #[cfg(feature = "generate")]
 mod random;
+mod skip;
 mod table;
 
 mod cli;

@@ -6,11 +6,13 @@ use std::path::PathBuf;
 use ptm_conform::Ptm;
 use ptm_conform::kit::digest::sha256;
 
+use crate::skip::skip;
+
 /// Returns the folder of the file, and the decoded map.
 fn read_real_file() -> Option<(PathBuf, Ptm)> {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/data/ptmfitter-8x5");
     let Ok(file) = fs::read(format!("{folder}/reference_8x5.ptm")) else {
-        println!("SKIPPED: ../shared/data/ptmfitter-8x5 is missing");
+        skip("../shared/data/ptmfitter-8x5");
         return None;
     };
     let ptm = ptm_conform::decode(&file).expect("a real file decodes");

@@ -8,7 +8,7 @@ use ptm_conform::ptm::Format;
 
 use crate::common::{
     CheckRun, PROGRAM, Workspace, assert_conforms, assert_contains, check, have_tool,
-    python_example, repository, repository_text, zoo,
+    python_example, repository, repository_text, skip, zoo,
 };
 
 const FEW_CASES: &str = "--case hand-* --case version-1-3-* --case header-plain-* --timeout 60";
@@ -180,7 +180,7 @@ fn virtual_environment_is_found_by_relative_path() {
         .args(["-m", "venv", "--without-pip", "my venv"])
         .status();
     if !made.is_ok_and(|status| status.success()) {
-        println!("SKIPPED: the module venv is not installed");
+        skip("the module venv of python3");
         return;
     }
     let mut versions = fs::read_dir(here.path("my venv/lib"))

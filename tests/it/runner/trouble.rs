@@ -6,7 +6,7 @@ use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use crate::common::{PROGRAM, Workspace, have_proc, outcome, zoo};
+use crate::common::{PROGRAM, Workspace, have_proc, outcome, skip, starts, zoo};
 
 /// Options that select a few small cases.
 const FEW_CASES: &str = "--case hand-* --case header-plain-*";
@@ -45,14 +45,9 @@ fn assert_passes_or_names((status, text): (i32, String), resource: &str) {
     }
 }
 
-/// Returns true if the current user can run a shell command.
+/// Returns true if the current user can run a shell command. Prints SKIPPED if not.
 fn can_run(command: &str) -> bool {
-    let output = Command::new("sh").args(["-c", command]).output();
-    let can_run = output.is_ok_and(|output| output.status.success());
-    if !can_run {
-        println!("SKIPPED: {command} fails");
-    }
-    can_run
+    starts(command) || skip(&format!("permission to run `{command}`"))
 }
 
 fn is_root() -> bool {
@@ -87,7 +82,11 @@ fn file_size_limit_is_reported() {
 #[test]
 fn process_limit_is_reported() {
     const USER: &str = "setpriv --reuid 54321 --regid 54321 --clear-groups";
-    if !is_root() || !can_run(&format!("{USER} test -x {}", zoo(""))) {
+    if !is_root() {
+        skip("root");
+        return;
+    }
+    if !can_run(&format!("{USER} test -x {}", zoo(""))) {
         return;
     }
     for limit in [40, 8, 6, 5, 4, 3] {

@@ -13,16 +13,14 @@ use ptm_conform::writers::{reference::write_requested_file, request::WriteReques
 
 use crate::common::{
     Workspace, check_writer, edit, have_python, python_example, repository, repository_text, rows,
+    skip,
 };
 
 /// Returns the path of the `.lp` file for twelve real photographs, stored next to HP's fit, or `None` if the file is missing.
 fn real_photographs() -> Option<String> {
     let lp = repository("../shared/data/ptmfitter-8x5/reference_8x5.lp");
-    let exists = Path::new(&lp).exists();
-    if !exists {
-        println!("SKIPPED: {lp} is missing");
-    }
-    exists.then_some(lp)
+    (Path::new(&lp).exists() || skip("the real photographs in ../shared/data/ptmfitter-8x5"))
+        .then_some(lp)
 }
 
 #[test]
