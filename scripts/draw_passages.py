@@ -34,13 +34,7 @@ def paragraphs():
 
 
 def messages():
-    """Yields the messages of the program, and the texts of misreadings, rulings, cases, probe and lint codes."""
-    source = ""
-    for line in read_text(root / "tests/it/repository/messages.txt").splitlines():
-        if line.startswith("# "):
-            source = line[2:]
-        elif line:
-            yield f"src/{source}: {line}"
+    """Yields the texts of misreadings, rulings, cases, probe and lint codes."""
     for path in files("spec-cases/*.yaml", "spec-cases/cases/*.yaml", "spec-cases/texture/**/*.yaml"):
         for key, value in re.findall(r"^ *-? ?(effect|fix|because|says|next|reason|decision): (.{20,})$", read_text(path), flags=re.M):
             yield f"{path.relative_to(root)}: {key}: {value}"

@@ -6,7 +6,6 @@ mod action;
 mod documents;
 mod order;
 mod tidy;
-mod words;
 
 use std::collections::BTreeMap;
 use std::fs;
