@@ -63,7 +63,7 @@ pub(crate) fn evaluate(
     let color = |texel: &[f64]| match coefficients.shape {
         Shape::Rgb => [&texel[..6], &texel[6..12], &texel[12..]].map(polynomial),
         Shape::Lrgb => {
-            let luminance = polynomial(&texel[..6]);
+            let luminance = (reading.luminance)(polynomial(&texel[..6]));
             [texel[6], texel[7], texel[8]].map(|color| (reading.modulate)(luminance, color))
         }
         Shape::Lum(matrix) => lum_color(
@@ -86,7 +86,8 @@ pub(crate) fn evaluate(
 
 /// Multiplies the matrix `m` by (Y, Cr, Cb, 1) (clauses 2.6/4–5).
 pub(crate) fn lum_color(m: &ColorMatrix, y: f64, cr: f64, cb: f64, reading: &Reading) -> [f64; 3] {
-    let v = (reading.lum_vector)(y, cr, cb);
+    let [cr, cb] = [cr, cb].map(reading.lum_chroma);
+    let v = (reading.lum_vector)((reading.lum_luminance)(y), cr, cb);
     (reading.lum_matrix)(m)
         .map(|[m0, m1, m2, t]| m0 * v[0] + m1 * v[1] + m2 * v[2] + (reading.lum_translation)(t))
 }
@@ -122,6 +123,16 @@ pub(crate) fn final_values(set: &ScaleBias, planes: &Planes, reading: &Reading) 
     values
 }
 
+/// Returns Cr or Cb as stored (ruling `lum-chroma`).
+pub(crate) fn lum_chroma(stored: f64) -> f64 {
+    stored
+}
+
+/// Returns Cr or Cb relative to 128 (alternative to ruling `lum-chroma`). In the range from 0 to 1, the middle is 128/255.
+pub(crate) fn centered_lum_chroma(stored: f64) -> f64 {
+    stored - 128.0
+}
+
 /// Returns the vector Y, Cr, Cb (ruling `lum-vector`).
 pub(crate) fn lum_vector(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     [y, cr, cb]
@@ -140,6 +151,21 @@ pub(crate) fn lum_translation(t: f64) -> f64 {
 /// Scales a translation from 0 … 1 to 0 … 255 (alternative to ruling `lum-range`).
 pub(crate) fn scaled_lum_translation(t: f64) -> f64 {
     t * 255.0
+}
+
+/// Returns the luminance unchanged (rulings `luminance-clamp` and `lum-clamp`).
+pub(crate) fn luminance(value: f64) -> f64 {
+    value
+}
+
+/// Limits luminance to 255 (alternative to ruling `luminance-clamp`). A negative luminance gives the color 0 in any case.
+pub(crate) fn clamped_luminance(value: f64) -> f64 {
+    value.min(255.0)
+}
+
+/// Limits Y to 0…255 (alternative to ruling `lum-clamp`). The matrix may multiply it by a negative number.
+pub(crate) fn clamped_lum_luminance(value: f64) -> f64 {
+    value.clamp(0.0, 255.0)
 }
 
 /// Computes luminance times color, divided by 255 (clause 2.7.3/4, ruling `color`).

@@ -35,12 +35,18 @@ pub struct Reading {
     pub(crate) entry_count: fn(&mut Input) -> Result<usize>,
     pub(crate) after_table: fn(&mut Input) -> Result<()>,
     // 2.6
+    /// Returns Y as the matrix multiplies it.
+    pub(crate) lum_luminance: fn(f64) -> f64,
+    /// Returns Cr or Cb as the matrix multiplies it.
+    pub(crate) lum_chroma: fn(stored: f64) -> f64,
     pub(crate) lum_vector: fn(y: f64, cr: f64, cb: f64) -> [f64; 3],
     pub(crate) lum_matrix: fn(&ColorMatrix) -> [[f64; 4]; 3],
     pub(crate) lum_translation: fn(f64) -> f64,
     // 2.7
     pub(crate) blocks: fn(Format) -> &'static [Block],
     pub(crate) stored_row: fn(&Header, row: usize) -> usize,
+    /// Returns the luminance that is multiplied by the color.
+    pub(crate) luminance: fn(f64) -> f64,
     pub(crate) modulate: fn(luminance: f64, color: f64) -> f64,
     pub(crate) clamp: fn(f64) -> f64,
     // 2.8

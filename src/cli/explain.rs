@@ -140,7 +140,10 @@ fn explain(id: &str) -> Result<Option<String>, String> {
         }
         #[cfg(unix)]
         text.push_str(&describe_failing_cases(misreading, &suite)?);
-        text += &page_line(Some(pages.misreading_page(id)));
+        text += &page_line(match misreading.reading_of {
+            Some(ruling) => Some(pages.ruling_page(ruling)),
+            None => Some(pages.misreading_page(id)),
+        });
     }
     if let Ok(format) = id.parse() {
         text += &explain_format(&suite, format);
@@ -259,15 +262,36 @@ fn explain_rules<C: TestCase>(
             let _ = writeln!(text, "  also correct: {also}");
         }
         let _ = writeln!(text, "  evidence: {}", ruling.evidence.trim());
+        if let Some(basis) = ruling.rests_on {
+            let _ = writeln!(text, "  rests on: {} ({})", basis.name(), basis.describe());
+        }
         text += &page_line(Some(pages.ruling_page(id)));
     }
     text
 }
 
 fn explain_misreading<A>(misreading: &Misreading<A>, rule: &str) -> String {
+    let Misreading {
+        slug,
+        clause,
+        effect,
+        fix,
+        ..
+    } = misreading;
+    if let Some(ruling) = misreading.reading_of {
+        return format!(
+            "reading {slug} of {rule} {clause}: the decoder {effect}.\n  This is no mistake: ruling {ruling} allows it.\n"
+        );
+    }
+    let violates = match misreading.violates {
+        Some(violated) if violated == *clause => {
+            format!("  It violates the words of {rule} {clause}.\n")
+        }
+        Some(ruling) => format!("  It violates ruling {ruling}.\n"),
+        None => String::new(),
+    };
     format!(
-        "misreading {} of {rule} {}: the decoder {}.\n  Fix: {}.\n",
-        misreading.slug, misreading.clause, misreading.effect, misreading.fix
+        "misreading {slug} of {rule} {clause}: the decoder {effect}.\n{violates}  Fix: {fix}.\n"
     )
 }
 

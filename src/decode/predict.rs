@@ -161,6 +161,19 @@ pub fn mean_rounded_down(samples: [u8; 4]) -> u8 {
     (sum(samples) >> 2) as u8
 }
 
+/// Returns the mean of four samples, rounded to the nearest integer, and halves to the even one (alternative to ruling
+/// `motion-half`).
+pub fn mean_rounded_to_even(samples: [u8; 4]) -> u8 {
+    (f64::from(sum(samples)) / 4.0).round_ties_even() as u8
+}
+
+/// Returns the mean of the means of the first two and of the last two samples, each rounded up (alternative to ruling
+/// `motion-half`).
+pub fn mean_rounded_up_twice([a, b, c, d]: [u8; 4]) -> u8 {
+    let mean = |a: u8, b: u8| ((u16::from(a) + u16::from(b) + 1) >> 1) as u8;
+    mean(mean(a, b), mean(c, d))
+}
+
 fn sum(samples: [u8; 4]) -> u16 {
     samples.into_iter().map(u16::from).sum()
 }
@@ -178,27 +191,46 @@ pub fn wrap_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
     plane[(y.rem_euclid(height) * width + x.rem_euclid(width)) as usize]
 }
 
+/// Returns the sample at a position. Outside, the plane is mirrored, and its edge sample is repeated: b a | a b (alternative to
+/// ruling `motion-border`).
+pub fn mirror_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+    let mirror = |position: i64, length: u32| {
+        let period = 2 * i64::from(length);
+        let position = position.rem_euclid(period);
+        position.min(period - 1 - position)
+    };
+    let (x, y) = (mirror(x, size.width), mirror(y, size.height));
+    plane[(y * i64::from(size.width) + x) as usize]
+}
+
 /// Returns the sample at a position, or 128 if it is outside the plane (alternative to ruling `motion-border`).
 pub fn gray_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+    sample_inside(plane, size, x, y).unwrap_or(128)
+}
+
+/// Returns the sample at a position, or 0 if it is outside the plane (alternative to ruling `motion-border`).
+pub fn black_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
+    sample_inside(plane, size, x, y).unwrap_or(0)
+}
+
+fn sample_inside(plane: &[u8], size: Size, x: i64, y: i64) -> Option<u8> {
     let (width, height) = (i64::from(size.width), i64::from(size.height));
-    if (0..width).contains(&x) && (0..height).contains(&y) {
-        plane[(y * width + x) as usize]
-    } else {
-        128
-    }
+    let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
+    is_inside.then(|| plane[(y * width + x) as usize])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::decode::Alternative::{
-        self, BorderGray, BorderWrapped, HalvesRoundedDown, InversionAfterMotion,
-        MotionAgainstRows, MotionReversed, NoJpegLsOffset,
+        self, BorderBlack, BorderGray, BorderMirrored, BorderWrapped, HalvesRoundedDown,
+        HalvesRoundedUpTwice, HalvesToEven, InversionAfterMotion, MotionAgainstRows,
+        MotionReversed, NoJpegLsOffset,
     };
 
     /// Reading, width, vector, and the displaced plane for the input 10, 21, 30, 40. The corpus has more tests of the
     /// reference's reading.
-    const DISPLACED: [(Option<Alternative>, u32, i64, i64, [u8; 4]); 8] = [
+    const DISPLACED: [(Option<Alternative>, u32, i64, i64, [u8; 4]); 15] = [
         (None, 4, 1, 0, [16, 26, 35, 40]),
         (Some(HalvesRoundedDown), 4, 1, 0, [15, 25, 35, 40]),
         (Some(MotionReversed), 4, 2, 0, [10, 10, 21, 30]),
@@ -207,6 +239,14 @@ mod tests {
         (Some(BorderWrapped), 4, 2, 0, [21, 30, 40, 10]),
         (Some(BorderGray), 4, 2, 0, [21, 30, 40, 128]),
         (Some(BorderGray), 4, 1, 0, [16, 26, 35, 84]),
+        (Some(BorderBlack), 4, 1, 0, [16, 26, 35, 20]),
+        (Some(BorderMirrored), 4, 6, 0, [40, 40, 30, 21]),
+        (Some(BorderMirrored), 1, 0, -4, [21, 10, 10, 21]),
+        (Some(HalvesToEven), 4, 1, 0, [16, 26, 35, 40]),
+        // The only mean of four is that of 10, 21, 30 and 40: 25.25. The means along x are 16 and 35.
+        (None, 2, 1, 1, [25, 31, 35, 40]),
+        (Some(HalvesRoundedUpTwice), 2, 1, 1, [26, 31, 35, 40]),
+        (Some(HalvesToEven), 2, 1, 1, [25, 30, 35, 40]),
     ];
 
     fn reading(alternative: Option<Alternative>) -> Reading {

@@ -54,7 +54,11 @@ fn is_explained(witness: &Witness, answer: &Answer, assumed: &[&'static Misreadi
             Agreement::Image | Agreement::Outcome
         )
     };
-    let axes = relevant_axes(witness.case, &witness.observation.view);
+    let axes = relevant_axes(
+        witness.case,
+        &witness.built.values,
+        &witness.observation.view,
+    );
     reproduces(answer)
         || CHOICES.combinations(&axes).iter().skip(1).any(|dialect| {
             let (file, view) = (&witness.built.file, &witness.observation.view);

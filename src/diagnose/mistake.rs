@@ -113,6 +113,8 @@ pub(super) fn edit_as_misreading(edit: &'static Edit) -> Misreading {
     Misreading {
         slug: "",
         clause: edit.formula.stated().clause,
+        violates: None,
+        reading_of: None,
         effect: "",
         fix: "",
         symptom: Symptom::Values,

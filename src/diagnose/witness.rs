@@ -384,7 +384,7 @@ impl Witness<'_> {
             // The image depends on an open question, so the decoder's own dialect determines the correct image.
             (
                 Response::Image {
-                    right: RightDialects::In { .. },
+                    right: RightDialects::Depends { .. },
                     ..
                 },
                 Answer::Decoded(right),

@@ -608,7 +608,7 @@ pub fn image(
     let color = |texel: &[f64]| match coefficients.shape {
         Shape::Rgb => [&texel[..6], &texel[6..12], &texel[12..]].map(polynomial),
         Shape::Lrgb => {
-            let luminance = polynomial(&texel[..6]);
+            let luminance = (reading.luminance)(polynomial(&texel[..6]));
             [texel[6], texel[7], texel[8]].map(|rgb| {
                 let unedited = || (reading.modulate)(luminance, rgb);
                 edits.value_or(Formula::Color, &[luminance, rgb], unedited)

@@ -255,7 +255,6 @@ impl Draft {
             let interval = u.choose(&[0, 0, 1, 2, 3, 7])?;
             self.set("compression", "restart_interval", interval);
             self.set("compression", "optimized_tables", u.arbitrary::<bool>()?);
-            self.set("compression", "baseline", u.arbitrary::<bool>()?);
             let sampling = u.choose(&["1x1", "2x1", "1x2", "2x2", "4x1", "3x2"])?;
             self.set("compression", "sampling", sampling);
             if u.ratio(1, 3)? {
@@ -272,14 +271,10 @@ impl Draft {
     }
 
     fn draw_spelling(&mut self, u: &mut Unstructured) -> Result<()> {
-        const LINES: &str = "version format width height scale bias count matrix side-sizes";
+        const SECTION_ENDS: &str = "version format height scale bias matrix";
         if u.ratio(1, 4)? {
-            let lines = if u.ratio(1, 3)? {
-                "all".to_owned()
-            } else {
-                let length = u.int_in_range(1..=2)?;
-                draw_list(length, u, |u| choose_word(LINES, u))?
-            };
+            let length = u.int_in_range(1..=3)?;
+            let lines = draw_list(length, u, |u| choose_word(SECTION_ENDS, u))?;
             self.set("spelling", "space_before_newline", lines);
         }
         for key in ["size_lines", "scale_bias_lines"] {
@@ -288,7 +283,7 @@ impl Draft {
             }
         }
         if u.ratio(1, 6)? {
-            self.set("spelling", "gap", u.choose(&[2, 3, 10, 90])?);
+            self.set("spelling", "leading_zeros", u.choose(&[1, 2, 10, 90])?);
         }
         Ok(())
     }

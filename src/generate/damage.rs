@@ -50,6 +50,8 @@ pub struct Damage {
     #[serde(rename = "fit")]
     adjusts_sizes: bool,
     reads_as: Option<DamageChange>,
+    /// Values of scales and biases that the edit changes, such as `scale[1]`.
+    means: BTreeMap<String, String>,
 }
 
 /// Restrictions on the files that a damage applies to.
@@ -190,21 +192,31 @@ impl Damage {
         Ok(removed.into_iter().map(|spot| (spot, Vec::new())).collect())
     }
 
-    /// Returns the values that a reader finds if it ignores the damage.
+    /// Returns the values that a reader finds if it ignores the damage, or reads it as the damage says.
     #[must_use]
     pub fn values(&self, model: &Model) -> Model {
+        let mut model = model.clone();
+        for (place, value) in &self.means {
+            let value = value.parse().expect("a test parses every value");
+            for (i, (scale, bias)) in model.scale.iter_mut().zip(&mut model.bias).enumerate() {
+                if *place == format!("scale[{i}]") {
+                    *scale = value;
+                } else if *place == format!("bias[{i}]") {
+                    *bias = value;
+                }
+            }
+        }
         match self.reads_as {
             Some(DamageChange::InterleavedTexels) if model.format == Format::Lrgb => {
-                interleave_texels(model)
+                interleave_texels(&model)
             }
             Some(DamageChange::PlaneOneIs128) => {
-                let mut model = model.clone();
                 let channels = model.format.channels();
                 let plane = model.samples.iter_mut().skip(1).step_by(channels);
                 plane.for_each(|sample| *sample = 128);
                 model
             }
-            _ => model.clone(),
+            _ => model,
         }
     }
 }

@@ -56,6 +56,22 @@ impl<'a> Output<'a> {
         }
     }
 
+    /// Writes numbers with the leading zeros of the spelling, after the sign.
+    pub fn padded_numbers(&mut self, clause: &'static str, name: &'static str, texts: &[&str]) {
+        let zeros = "0".repeat(self.spelling.leading_zeros);
+        let padded = texts.iter().map(|text| {
+            let (sign, digits) =
+                text.split_at(text.len() - text.trim_start_matches(['+', '-']).len());
+            format!("{sign}{zeros}{digits}")
+        });
+        let padded: Vec<String> = padded.collect();
+        self.numbers(
+            clause,
+            name,
+            &padded.iter().map(String::as_str).collect::<Vec<_>>(),
+        );
+    }
+
     /// Writes the spaces between two numbers (clause 2.4/5).
     pub fn gap(&mut self) {
         self.bytes

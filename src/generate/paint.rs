@@ -38,6 +38,9 @@ pub(super) fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
         Scene::Diagonals => hash(recipe.seed, (x + y) % 4, channel) as u8,
         Scene::Columns => alternating_byte(recipe.seed, x, channel),
         Scene::Rows => alternating_byte(recipe.seed, y, channel),
+        Scene::Cells => ((x + channel) / 3 + (y + channel) / 5) as u8 % 2 * 255,
+        // Blocks begin at the first stored row, which is the last row of the image.
+        Scene::Blocks => hash(recipe.seed, x / 8 + (height - 1 - y) / 8 * width, channel) as u8,
         Scene::Edges if x % 8 < 4 => [200, 40][channel % 2],
         Scene::Edges if channel % 4 < 2 => 120 + drift(recipe.seed, y),
         Scene::Edges => 120 - drift(recipe.seed, y),

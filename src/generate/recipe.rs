@@ -144,9 +144,10 @@ impl Recipe {
         }
         if ![1, 4, 16].contains(&self.spelling.matrix_line)
             || !(1..=1000).contains(&self.spelling.gap)
+            || self.spelling.leading_zeros > 1000
         {
             return Err(
-                "a matrix line must have 1, 4 or 16 numbers, and a gap must have 1 to 1000 spaces"
+                "a matrix line must have 1, 4 or 16 numbers, a gap must have 1 to 1000 spaces, and a number at most 1000 leading zeros"
                     .to_owned(),
             );
         }

@@ -5,8 +5,8 @@
 use super::{output::Output, recipe::Numbers, spelling::Line};
 
 pub(super) fn write(scale: &Numbers<6>, bias: &Numbers<6>, out: &mut Output) {
-    out.numbers("2.4/3", "scale", &scale.texts());
+    out.padded_numbers("2.4/3", "scale", &scale.texts());
     out.line_end_or_gap(out.spelling.scale_bias_on_two_lines, Line::Scale);
-    out.numbers("2.4/4", "bias", &bias.texts());
+    out.padded_numbers("2.4/4", "bias", &bias.texts());
     out.line_end(Line::Bias);
 }

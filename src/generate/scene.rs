@@ -29,6 +29,10 @@ pub enum Scene {
     Columns,
     /// Two values that alternate by row; their sum is odd.
     Rows,
+    /// Cells of 3×5 samples that are alternately 0 and 255, shifted from channel to channel.
+    Cells,
+    /// An independent pseudo-random value for every 8×8 block of every channel.
+    Blocks,
     /// Alternating bands of four columns: a constant value, and a value that changes by one in two out of every three rows.
     Edges,
     /// A constant value, with isolated texels that are larger or smaller by one.
@@ -55,6 +59,8 @@ impl FromStr for Scene {
             "diagonals" => Scene::Diagonals,
             "columns" => Scene::Columns,
             "rows" => Scene::Rows,
+            "cells" => Scene::Cells,
+            "blocks" => Scene::Blocks,
             "edges" => Scene::Edges,
             "dots" => Scene::Dots,
             "breaks" => Scene::Breaks,

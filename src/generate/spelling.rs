@@ -42,6 +42,16 @@ pub enum Line {
 }
 
 impl Line {
+    /// The last lines of sections, where 2.0/2 allows a space.
+    pub const SECTION_ENDS: [Line; 6] = [
+        Line::Version,
+        Line::Format,
+        Line::Height,
+        Line::Scale,
+        Line::Bias,
+        Line::Matrix,
+    ];
+
     /// All lines, in file order.
     pub const ALL: [Line; 16] = [
         Line::Version,
@@ -128,6 +138,8 @@ pub struct Spelling {
     pub scale_bias_on_two_lines: bool,
     /// Number of spaces between two numbers.
     pub gap: usize,
+    /// Number of zeros before the digits of each scale and bias. They do not change the value.
+    pub leading_zeros: usize,
     /// The spelling of the number of table entries (ruling `lut-count`).
     pub count: Count,
     /// True to write a line feed between the table and the indices (ruling `lut-newline`).
@@ -145,6 +157,7 @@ impl Default for Spelling {
             size_on_two_lines: true,
             scale_bias_on_two_lines: true,
             gap: 1,
+            leading_zeros: 0,
             count: Count::NumberWord,
             newline_after_table: false,
             matrix_line: 16,

@@ -33,11 +33,16 @@ static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
 
 /// Returns all misreadings, in the order of sections.
 pub fn all() -> impl Iterator<Item = &'static Misreading> {
+    behaviors().filter(|behavior| behavior.reading_of.is_none())
+}
+
+/// Returns all misreadings, and the readings of open questions that public readers and writers have.
+pub fn behaviors() -> impl Iterator<Item = &'static Misreading> {
     ALL.iter()
 }
 
-/// Returns the misreading with this slug, if any.
+/// Returns the misreading or the reading with this slug, if any.
 #[must_use]
 pub fn find(slug: &str) -> Option<&'static Misreading> {
-    all().find(|misreading| misreading.slug == slug)
+    behaviors().find(|behavior| behavior.slug == slug)
 }

@@ -17,6 +17,12 @@ pub struct Misreading<A = Hook> {
     pub slug: &'static str,
     /// Clause that the decoder misreads.
     pub clause: &'static str,
+    /// What makes it a mistake: the clause, if the words of the specification suffice, or a ruling. Under a ruling of kind choice
+    /// or lenient, the mistake is none of the correct readings. Only misreadings of PTM files state this.
+    pub violates: Option<&'static str>,
+    /// The ruling under which the behavior is correct, if it is no mistake. Such records describe public readers and writers, and
+    /// are not in [`all`](super::all).
+    pub reading_of: Option<&'static str>,
     /// Effect, as a sentence without a subject: "reads …".
     pub effect: &'static str,
     /// Suggested fix, as a sentence without a period.
@@ -67,6 +73,8 @@ impl fmt::Display for Sighting {
 struct MisreadingRecord {
     slug: String,
     clause: String,
+    violates: Option<String>,
+    reading_of: Option<String>,
     effect: String,
     fix: String,
     #[serde(default)]
@@ -102,6 +110,8 @@ pub fn load_catalog<A>(
         all.push(Misreading {
             slug,
             clause: record.clause.leak(),
+            violates: record.violates.map(|violates| &*violates.leak()),
+            reading_of: record.reading_of.map(|ruling| &*ruling.leak()),
             effect: record.effect.leak(),
             fix: record.fix.leak(),
             symptom: record.shows,

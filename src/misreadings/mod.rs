@@ -68,6 +68,6 @@ pub(crate) use answer::read;
 pub(crate) use answer::{apply_to_reading, render, unrounded_values};
 #[cfg(feature = "tools")]
 pub(crate) use answer::{formula_edits, plane_edits};
-pub use catalog::{all, find};
+pub use catalog::{all, behaviors, find};
 pub use hook::Hook;
 pub use misreading::{Misreading, Sighting, Symptom};

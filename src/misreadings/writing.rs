@@ -35,6 +35,8 @@ fn read(yaml: &str) -> Result<Vec<WriterMistake>, String> {
         Ok(Misreading {
             slug: misreading.slug,
             clause: misreading.clause,
+            violates: None,
+            reading_of: None,
             effect: record.effect.leak(),
             fix: record.fix.leak(),
             symptom: misreading.symptom,

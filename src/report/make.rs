@@ -11,11 +11,11 @@ use crate::report::document::{
 use crate::report::leniency::{leniency, passing_case_ids};
 use crate::report::reported::Reportable;
 use crate::session::dialect::Certainty;
-use crate::session::observation::{Observation, Response};
+use crate::session::observation::Response;
 use crate::session::{outcome::Outcome, remark::Remark, run::Run};
 use crate::suite::compare::LOSSY_TOLERANCE;
-use crate::suite::test_case::{Allowance, TestCase};
-use crate::suite::{cases::Suite, dialect::RightDialects, name::SuiteName};
+use crate::suite::test_case::{Allowance, FlatBlocks, TestCase};
+use crate::suite::{cases::Suite, name::SuiteName};
 
 impl Report {
     /// Creates the report on `run`, without causes. Directories are removed from `command`.
@@ -112,7 +112,7 @@ fn followed_readings<C: Reportable>(suite: &Suite<C>, run: &Run<C>) -> Vec<Follo
             let observation = run.observations[i].as_ref();
             matches!(
                 observation.map(|observation| &observation.response),
-                Some(Response::Image { right: RightDialects::In { axes, .. }, .. }) if axes.contains(&axis)
+                Some(Response::Image { right, .. }) if right.axes().contains(&axis)
             )
         };
         readings.push(FollowedReading {
@@ -138,21 +138,51 @@ fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
     names
 }
 
+/// Minimum mean difference, in levels, in flat JPEG blocks that is reported. An inverse DCT that truncates is half a level below.
+const MIN_SYSTEMATIC_ERROR: f64 = 0.25;
+
 /// Returns remarks on images that were compared with a tolerance larger than rounding requires.
 fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
     let others = "raw images of lossy JPEG planes differ from the reference within the tolerance; a different inverse DCT or a small mistake may be the reason";
     let lossy = format!(
         "responses are JPEG images, which are lossy, so the tolerance is larger by {LOSSY_TOLERANCE} and small mistakes are not found"
     );
-    let remarks = [
-        (Allowance::AnotherTransform, others.to_owned()),
-        (Allowance::Lossy, lossy),
-    ];
-    remarks.into_iter().filter_map(|(kind, says)| {
-        let has_kind = |seen: &&Observation<C>| matches!(seen.response, Response::Image { allowance, .. } if allowance == kind);
-        let count = run.observations.iter().flatten().filter(has_kind).count();
-        (count > 0).then(|| Remark::note(format!("{count} {says}")))
-    })
+    let (mut transforms, mut jpegs, mut flat) = (0, 0, FlatBlocks::default());
+    for seen in run.observations.iter().flatten() {
+        match seen.response {
+            Response::Image {
+                allowance: Allowance::AnotherTransform(blocks),
+                ..
+            } => {
+                transforms += 1;
+                flat.samples += blocks.samples;
+                flat.sum += blocks.sum;
+            }
+            Response::Image {
+                allowance: Allowance::Lossy,
+                ..
+            } => jpegs += 1,
+            _ => {}
+        }
+    }
+    let counted =
+        |count: usize, says: &str| (count > 0).then(|| Remark::note(format!("{count} {says}")));
+    let mean = f64::from(flat.sum) / f64::from(flat.samples.max(1));
+    let systematic = (mean.abs() >= MIN_SYSTEMATIC_ERROR).then(|| {
+        let direction = if mean < 0.0 { "below" } else { "above" };
+        Remark::note(format!(
+            "{} samples in flat blocks of JPEG planes are {:.2} {direction} the reference on average; this is within the tolerance, but rounding to the nearest integer gives 0.00",
+            flat.samples,
+            mean.abs()
+        ))
+    });
+    [
+        counted(transforms, others),
+        counted(jpegs, &lossy),
+        systematic,
+    ]
+    .into_iter()
+    .flatten()
 }
 
 /// Converts diagnoses to the likely causes listed in a report.

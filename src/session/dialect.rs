@@ -1,7 +1,12 @@
 //! The decoder's dialect (its readings of open questions), derived from observations.
 
+use std::borrow::Cow;
+use std::cell::RefCell;
+use std::collections::HashMap;
+
 use crate::session::observation::{Observation, Response};
-use crate::suite::dialect::{Axis, Dialect, RightDialects};
+use crate::suite::cases::{Suite, TableSpelling};
+use crate::suite::dialect::{Axis, Choices, Dialect, RightDialects};
 use crate::suite::test_case::TestCase;
 
 /// The certainty of the decoder's reading of an open question.
@@ -19,33 +24,112 @@ pub enum Certainty {
 /// faulty decoder may be right under another reading.
 const MIN_RIGHT_PER_WRONG: usize = 8;
 
-/// The choices that affect an answer and, for each combination of their readings, a flag that is true if the answer is right.
-type ShownChoices<'a> = (&'a [Axis], &'a [bool]);
+/// The images of a run whose correctness depends on the dialect. Whether one is right in a dialect is computed when it matters,
+/// and then remembered.
+pub struct DependentAnswers<'a, C: TestCase> {
+    pub(super) suite: &'a Suite<C>,
+    observations: &'a [Option<Observation<C>>],
+    files: RefCell<HashMap<usize, C::Built>>,
+    known: RefCell<HashMap<(usize, usize), bool>>,
+}
+
+impl<'a, C: TestCase> DependentAnswers<'a, C> {
+    /// Creates the answers of a run. `observations` has a slot for each case of the suite.
+    pub fn new(suite: &'a Suite<C>, observations: &'a [Option<Observation<C>>]) -> Self {
+        DependentAnswers {
+            suite,
+            observations,
+            files: RefCell::default(),
+            known: RefCell::default(),
+        }
+    }
+
+    /// Returns true if the response to a case is an image.
+    pub fn is_image(&self, case: usize) -> bool {
+        let response = self.observations[case].as_ref().map(|seen| &seen.response);
+        matches!(response, Some(Response::Image { .. }))
+    }
+
+    /// Returns true if the response to a case is an image that is right in a dialect.
+    pub fn is_right(&self, case: usize, dialect: &Dialect) -> bool {
+        let Some(Response::Image { right, .. }) =
+            self.observations[case].as_ref().map(|seen| &seen.response)
+        else {
+            return false;
+        };
+        let index = C::CHOICES.combination_index(dialect, right.axes());
+        if index == 0 {
+            return right.is_right_in_reference();
+        }
+        if let Some(&is_right) = self.known.borrow().get(&(case, index)) {
+            return is_right;
+        }
+        let is_right = self.difference(case, dialect).is_none();
+        self.known.borrow_mut().insert((case, index), is_right);
+        is_right
+    }
+
+    /// Returns the difference between the image for a case and the correct image in a dialect, if any.
+    pub fn difference(&self, case: usize, dialect: &Dialect) -> Option<C::Difference> {
+        let observation = self.observations[case].as_ref()?;
+        let Response::Image { frame, .. } = &observation.response else {
+            return None;
+        };
+        let (view, this) = (&observation.view, &self.suite.cases[case]);
+        // An output that equals the reference's answer is not kept.
+        let output = frame.as_ref().map_or_else(
+            || this.expected_output(view).map(Cow::Owned),
+            |frame| Some(Cow::Borrowed(frame)),
+        )?;
+        let mut files = self.files.borrow_mut();
+        let built = files
+            .entry(case)
+            .or_insert_with(|| this.make(TableSpelling::default()));
+        this.difference_in(built, view, &output, dialect)
+    }
+
+    /// Returns the cases whose images depend on the dialect, with the choices that affect them. Nondeterministic responses are
+    /// left out.
+    fn dependent(&self) -> Vec<DependentAnswer<'a>> {
+        let dependent = |(case, seen): (usize, &'a Option<Observation<C>>)| {
+            let seen = seen.as_ref().filter(|seen| seen.nondeterminism.is_none())?;
+            match &seen.response {
+                Response::Image {
+                    right: RightDialects::Depends { axes, .. },
+                    ..
+                } => Some((case, &axes[..])),
+                _ => None,
+            }
+        };
+        self.observations
+            .iter()
+            .enumerate()
+            .filter_map(dependent)
+            .collect()
+    }
+}
+
+/// The number of an answer, and the choices that affect it.
+type DependentAnswer<'a> = (usize, &'a [Axis]);
 
 /// Returns the dialect in which most answers are right and the certainty of its reading of each choice. Ties go to the dialect
 /// closest to the reference's.
-pub fn dialect_of<C: TestCase>(
-    observations: &[Option<Observation<C>>],
-) -> (Dialect, Vec<Certainty>) {
-    let observed = observations.iter().flatten();
-    let settled = observed.filter(|observation| observation.nondeterminism.is_none());
-    let shown = settled.filter_map(|observation| match &observation.response {
-        Response::Image {
-            right: RightDialects::In { axes, combinations },
-            ..
-        } => Some((&axes[..], &combinations[..])),
-        _ => None,
-    });
-    dialect_in::<C>(&shown.collect::<Vec<_>>())
+pub fn dialect_of<C: TestCase>(answers: &DependentAnswers<C>) -> (Dialect, Vec<Certainty>) {
+    let is_right = |case: usize, dialect: &Dialect| answers.is_right(case, dialect);
+    dialect_in(&C::CHOICES, &answers.dependent(), is_right)
 }
 
-fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) {
-    let mut dialect = C::CHOICES.reference();
+fn dialect_in<R>(
+    choices: &Choices<R>,
+    answers: &[DependentAnswer],
+    is_right: impl Fn(usize, &Dialect) -> bool,
+) -> (Dialect, Vec<Certainty>) {
+    let mut dialect = choices.reference();
     let mut certain = vec![Certainty::Open; dialect.0.len()];
     // Choices that no case shows together are independent: the number of right answers in a dialect is the sum over the groups,
     // so it is largest if it is largest in every group.
-    for axes in group_axes(C::CHOICES.len(), shown.iter().map(|&(axes, _)| axes)) {
-        for (axis, reading, certainty) in evidence::<C>(&axes, shown) {
+    for axes in group_axes(choices.len(), answers.iter().map(|&(_, axes)| axes)) {
+        for (axis, reading, certainty) in evidence(choices, &axes, answers, &is_right) {
             (dialect.0[axis], certain[axis]) = (reading, certainty);
         }
     }
@@ -54,32 +138,56 @@ fn dialect_in<C: TestCase>(shown: &[ShownChoices]) -> (Dialect, Vec<Certainty>) 
 
 /// Returns, for each of these axes, the reading under which most of the answers are right, and the certainty of that reading.
 /// Considers only answers that depend on at least one of the axes.
-fn evidence<C: TestCase>(axes: &[Axis], shown: &[ShownChoices]) -> Vec<(Axis, usize, Certainty)> {
-    let is_about = |(shown, _): &&ShownChoices| shown.iter().any(|axis| axes.contains(axis));
-    let about: Vec<&ShownChoices> = shown.iter().filter(is_about).collect();
-    let is_right = |dialect: &Dialect, shown: &ShownChoices| {
-        shown.1[C::CHOICES.combination_index(dialect, shown.0)]
-    };
-    let all = C::CHOICES.combinations(axes);
-    let right_in = |dialect| about.iter().filter(|one| is_right(dialect, one)).count();
-    let counts: Vec<usize> = all.iter().map(right_in).collect();
-    let most = counts.iter().max().copied().unwrap_or_default();
-    // The first is the closest to the reference.
-    let best = all.iter().zip(counts).filter(|(_, count)| *count == most);
-    let best: Vec<&Dialect> = best.map(|(dialect, _)| dialect).collect();
+fn evidence<R>(
+    choices: &Choices<R>,
+    axes: &[Axis],
+    answers: &[DependentAnswer],
+    is_right: &impl Fn(usize, &Dialect) -> bool,
+) -> Vec<(Axis, usize, Certainty)> {
+    let is_about = |(_, shown): &&DependentAnswer| shown.iter().any(|axis| axes.contains(axis));
+    let mut about: Vec<DependentAnswer> = answers.iter().filter(is_about).copied().collect();
+    // The dialects in which most answers are right; the first is the closest to the reference.
+    let (mut best, mut most) = (Vec::new(), 0);
+    for dialect in choices.combinations(axes) {
+        let max_wrong = about.len() - most;
+        let mut wrong = 0;
+        for i in 0..about.len() {
+            if is_right(about[i].0, &dialect) {
+                continue;
+            }
+            wrong += 1;
+            // An answer that contradicts one dialect often contradicts the next, so it is looked at first.
+            about[..=i].rotate_right(1);
+            if wrong > max_wrong {
+                break;
+            }
+        }
+        if wrong > max_wrong {
+            continue;
+        }
+        if about.len() - wrong > most {
+            most = about.len() - wrong;
+            best.clear();
+        }
+        best.push(dialect);
+    }
     let certainty = |&axis: &Axis| {
         let taken = best[0].0[axis];
         if most == 0 || best.iter().any(|other| other.0[axis] != taken) {
             return (axis, taken, Certainty::Open);
         }
+        if taken == 0 {
+            return (axis, taken, Certainty::Settled);
+        }
         let mut plain = best[0].clone();
         plain.0[axis] = 0;
-        let of_axis = || about.iter().filter(|(shown, _)| shown.contains(&axis));
-        let against = of_axis().filter(|one| !is_right(best[0], one)).count();
-        let alone = of_axis().filter(|one| is_right(best[0], one) && !is_right(&plain, one));
-        match taken == 0 || alone.count() >= MIN_RIGHT_PER_WRONG * against {
-            true => (axis, taken, Certainty::Settled),
-            false => (axis, taken, Certainty::Likely),
+        let of_axis = || about.iter().filter(|(_, shown)| shown.contains(&axis));
+        let against = of_axis().filter(|one| !is_right(one.0, &best[0])).count();
+        let alone = of_axis().filter(|one| is_right(one.0, &best[0]) && !is_right(one.0, &plain));
+        if alone.count() >= MIN_RIGHT_PER_WRONG * against {
+            (axis, taken, Certainty::Settled)
+        } else {
+            (axis, taken, Certainty::Likely)
         }
     };
     axes.iter().map(certainty).collect()
@@ -101,7 +209,6 @@ fn group_axes<'a>(count: usize, sets: impl Iterator<Item = &'a [Axis]>) -> Vec<V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::suite::cases::Case;
     use crate::suite::choices::CHOICES;
 
     type Image = (Vec<Axis>, Vec<bool>);
@@ -119,8 +226,12 @@ mod tests {
 
     /// Returns the dialect, and each settled reading with its ruling.
     fn settled(images: &[Image]) -> (Vec<usize>, Vec<(&'static str, usize)>) {
-        let shown = images.iter().map(|(axes, right)| (&**axes, &**right));
-        let (dialect, certain) = dialect_in::<Case>(&shown.collect::<Vec<_>>());
+        let shown = images.iter().enumerate().map(|(i, (axes, _))| (i, &**axes));
+        let is_right = |i: usize, dialect: &Dialect| {
+            let (axes, right) = &images[i];
+            right[CHOICES.combination_index(dialect, axes)]
+        };
+        let (dialect, certain) = dialect_in(&CHOICES, &shown.collect::<Vec<_>>(), is_right);
         let axes = (0..CHOICES.len()).filter(|&axis| certain[axis] == Certainty::Settled);
         let settled = axes.map(|axis| (CHOICES[axis].ruling, dialect.0[axis]));
         (dialect.0.clone(), settled.collect())
@@ -134,7 +245,9 @@ mod tests {
         ]);
         let rulings = ["motion-sign", "motion-border", "side-lossless"];
         assert!(settled.into_iter().eq(rulings.into_iter().zip([1, 2, 1])));
-        assert_eq!(dialect, [0, 0, 0, 0, 1, 0, 0, 2, 0, 1]);
+        let other = |ruling| dialect[CHOICES.axes(&[ruling])[0]];
+        assert_eq!(rulings.map(other), [1, 2, 1]);
+        assert_eq!(dialect.iter().filter(|&&reading| reading > 0).count(), 3);
     }
 
     #[test]

@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::session::dialect::{Certainty, dialect_of};
+use crate::session::dialect::{Certainty, DependentAnswers, dialect_of};
 use crate::session::observation::{Observation, Response};
 use crate::session::offer::Offer;
 use crate::session::outcome::{Outcome, ResponseKind, Verdict, outcome};
@@ -44,23 +44,22 @@ pub fn judge<C: TestCase>(
     observations: &[Option<Observation<C>>],
     offer: &Offer<C>,
 ) -> Judgment<C> {
-    let (dialect, certain) = dialect_of(observations);
+    let answers = DependentAnswers::new(suite, observations);
+    let (dialect, certain) = dialect_of(&answers);
     let (unsupported, decoded) = features(suite, observations, offer);
     let twins = C::twins(&suite.cases);
-    let reads_some_spelling = (suite.cases.iter().zip(observations)).any(|(case, observation)| {
-        let is_right = |observation: &Observation<C>| is_right(observation, &dialect);
-        case.expect() == Expect::Spelling && observation.as_ref().is_some_and(is_right)
-    });
+    let reads_some_spelling = (suite.cases.iter().enumerate())
+        .any(|(i, case)| case.expect() == Expect::Spelling && answers.is_right(i, &dialect));
     let judged = |i: usize| {
         let Some(observation) = &observations[i] else {
             return verdict(Outcome::NotJudged, "no view of the case is supported");
         };
-        let twins = twins[i].iter();
-        let twins = twins.map(|&twin| (suite.cases[twin].id(), observations[twin].as_ref()));
         let facts = CaseFacts {
+            index: i,
             case: &suite.cases[i],
             observation,
-            twins: twins.collect(),
+            twins: &twins[i],
+            answers: &answers,
             dialect: &dialect,
             unsupported: &unsupported,
             reads_some_spelling,
@@ -78,10 +77,13 @@ pub fn judge<C: TestCase>(
 }
 
 struct CaseFacts<'a, C: TestCase> {
+    /// Index of the case in the suite.
+    index: usize,
     case: &'a C,
     observation: &'a Observation<C>,
-    /// Valid twins of the case: their ids and observations.
-    twins: Vec<(&'a str, Option<&'a Observation<C>>)>,
+    /// Indices of the valid twins of the case.
+    twins: &'a [usize],
+    answers: &'a DependentAnswers<'a, C>,
     dialect: &'a Dialect,
     unsupported: &'a BTreeSet<C::Feature>,
     /// True if the decoder read at least one table spelling correctly.
@@ -139,12 +141,9 @@ impl<C: TestCase> CaseFacts<'_, C> {
             }
             Response::Unsupported => fail(C::UNSUPPORTED_MESSAGE),
             Response::Image {
-                right,
-                difference,
-                frame,
-                ..
+                right, difference, ..
             } => {
-                let own = self.difference_in_own_dialect(frame.as_ref());
+                let own = self.answers.difference(self.index, self.dialect);
                 let differs = own.as_ref().or(difference.as_ref());
                 let differs = differs.map(ToString::to_string).unwrap_or_default();
                 self.wrong_image_verdict(right, differs)
@@ -154,7 +153,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
 
     fn response_kind(&self) -> ResponseKind {
         match &self.observation.response {
-            _ if is_right(self.observation, self.dialect) => ResponseKind::Expected,
+            _ if self.answers.is_right(self.index, self.dialect) => ResponseKind::Expected,
             Response::Image { .. } => ResponseKind::Different,
             Response::Rejected => ResponseKind::Rejected,
             Response::Unsupported => ResponseKind::Unsupported,
@@ -162,38 +161,25 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// Returns the difference between an image and the correct image in the decoder's dialect. Returns `None` if there is no
-    /// difference, or if the decoder has the reference's dialect.
-    fn difference_in_own_dialect(&self, frame: Option<&C::Output>) -> Option<C::Difference> {
-        if *self.dialect == C::CHOICES.reference() {
-            return None;
-        }
-        let view = &self.observation.view;
-        // An output that equals the reference's answer is not kept.
-        let output = frame.cloned().or_else(|| self.case.expected_output(view))?;
-        self.case.difference_in(view, &output, self.dialect)
-    }
-
     /// If the case has twins and none was decoded, returns the reason why a refusal proves nothing.
     fn undecoded_twin_reason(&self) -> Option<String> {
-        let is_decoded = |&(_, twin): &(&str, Option<&Observation<C>>)| {
-            twin.is_some_and(|twin| matches!(twin.response, Response::Image { .. }))
-        };
-        match &self.twins[..] {
+        match self.twins {
             [] => None,
-            twins if twins.iter().any(is_decoded) => None,
-            [(id, _)] => Some(format!("its twin {id} was not decoded")),
-            [(id, _), ..] => Some(format!(
-                "no legal file of its kind (such as {id}) was decoded"
-            )),
+            twins if twins.iter().any(|&twin| self.answers.is_image(twin)) => None,
+            [first, others @ ..] => {
+                let id = self.answers.suite.cases[*first].id();
+                Some(if others.is_empty() {
+                    format!("its twin {id} was not decoded")
+                } else {
+                    format!("no legal file of its kind (such as {id}) was decoded")
+                })
+            }
         }
     }
 
     /// Returns the verdict on a wrong image, or on any image of a file that must be refused.
     fn wrong_image_verdict(&self, right: &RightDialects, difference: String) -> Verdict {
-        let is_right = |(_, twin): &(_, Option<&Observation<C>>)| {
-            twin.is_some_and(|twin| is_right(twin, self.dialect))
-        };
+        let is_right = |&twin: &usize| self.answers.is_right(twin, self.dialect);
         match (self.case.expect(), right) {
             (Expect::Reject | Expect::Refuse, _) => {
                 fail(format!("{}: {}", C::ACCEPTED_MESSAGE, self.case.fault()))
@@ -208,10 +194,10 @@ impl<C: TestCase> CaseFacts<'_, C> {
                 Outcome::ImplementationDefined,
                 format!("left to the implementation; the reference differs: {difference}"),
             ),
-            (_, RightDialects::In { axes, combinations }) => {
-                let mut dialects = C::CHOICES.combinations(axes).into_iter().zip(combinations);
-                match dialects.find(|(_, right)| **right) {
-                    Some((other, _)) => fail(self.mixed_readings_text(axes, &other) + &difference),
+            (_, RightDialects::Depends { axes, .. }) => {
+                let mut dialects = C::CHOICES.combinations(axes).into_iter();
+                match dialects.find(|other| self.answers.is_right(self.index, other)) {
+                    Some(other) => fail(self.mixed_readings_text(axes, &other) + &difference),
                     None => fail(difference),
                 }
             }
@@ -230,13 +216,6 @@ impl<C: TestCase> CaseFacts<'_, C> {
         });
         let readings: Vec<String> = readings.collect();
         format!("mixes readings ({}): ", readings.join("; "))
-    }
-}
-
-fn is_right<C: TestCase>(observation: &Observation<C>, dialect: &Dialect) -> bool {
-    match &observation.response {
-        Response::Image { right, .. } => C::CHOICES.is_right(right, dialect),
-        _ => false,
     }
 }
 

@@ -125,7 +125,7 @@ impl Library {
 
     /// Returns all public readers that are known from a run, a profile or a sighting.
     pub(super) fn readers(&self) -> BTreeSet<&str> {
-        let seen = misreadings::all().flat_map(|misreading| &misreading.sightings);
+        let seen = misreadings::behaviors().flat_map(|misreading| &misreading.sightings);
         let seen = seen.map(|sighting| sighting.reader.as_str());
         seen.chain(self.runs.iter().map(|run| run.reader.as_str()))
             .chain(profiles().iter().map(|profile| profile.reader.as_str()))

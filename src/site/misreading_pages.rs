@@ -62,6 +62,10 @@ fn page(context: PageContext, misreading: &Misreading) -> SiteFile {
         p.lead { "The decoder " (misreading.effect) "." }
         p.fix { b { "Fix: " } (context.prose(misreading.fix)) "." }
         p { b { "Clause " (context.link_as(misreading.clause, &html! { (misreading.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) } }
+        @match misreading.violates {
+            Some(violated) if violated != misreading.clause => p { b { "Violates ruling " (context.link(violated)) } @if let Some(ruling) = context.library.rulings.iter().find(|ruling| ruling.id == violated) { ": " (context.prose(ruling.reading.trim())) } },
+            _ => p { b { "Violates " } "the words of this clause." },
+        }
         @if !readers_with_mistake(misreading).is_empty() { p { b { "Seen in " } (sightings(context, misreading)) "." } }
         h2 { "Smallest file that reveals the mistake" }
         @match witness {

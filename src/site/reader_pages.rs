@@ -28,10 +28,17 @@ pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {
 
 /// Returns the mistakes of a reader: first those in its profile, then other sightings.
 fn mistakes(reader: &str) -> Vec<&'static Misreading> {
+    let mut mistakes = behaviors(reader);
+    mistakes.retain(|behavior| behavior.reading_of.is_none());
+    mistakes
+}
+
+/// Returns the mistakes of a reader, and its readings of open questions.
+fn behaviors(reader: &str) -> Vec<&'static Misreading> {
     let profiled = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
     let profiled = profiled.iter().map(|known| misreadings::find(&known.slug));
     let mut mistakes: Vec<&Misreading> = profiled.flatten().collect();
-    for misreading in misreadings::all() {
+    for misreading in misreadings::behaviors() {
         let mut seen = misreading.sightings.iter();
         let is_seen = seen.any(|sighting| sighting.reader == reader);
         if is_seen && !mistakes.iter().any(|known| known.slug == misreading.slug) {
@@ -73,6 +80,9 @@ fn list(context: PageContext) -> SiteFile {
 fn page(context: PageContext, reader: &str) -> SiteFile {
     let run = find_run(context, reader);
     let mistakes = mistakes(reader);
+    let readings: Vec<_> = (behaviors(reader).into_iter())
+        .filter_map(|behavior| Some((behavior, behavior.reading_of?)))
+        .collect();
     let body = html! {
         h1 { (reader) }
         @if let Some(run) = run { (run_results(context, run)) }
@@ -82,6 +92,13 @@ fn page(context: PageContext, reader: &str) -> SiteFile {
             h2 { "Known mistakes" }
             ul { @for misreading in mistakes {
                 li { (context.link(misreading.slug)) ", clause " (context.link_as(misreading.clause, &html! { (misreading.clause) })) ": the reader " (misreading.effect) "." }
+            } }
+        }
+        @if !readings.is_empty() {
+            h2 { "Readings of open questions" }
+            p { "These are no mistakes: the rulings allow them." }
+            ul { @for (behavior, ruling) in readings {
+                li { "The reader " (behavior.effect) " (ruling " (context.link(ruling)) ")." }
             } }
         }
     };

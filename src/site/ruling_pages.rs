@@ -4,7 +4,7 @@ use maud::{Markup, html};
 
 use super::page::{PageContext, SiteFile};
 use crate::suite::cases::Case;
-use crate::suite::clauses::{Ruling, RulingKind};
+use crate::suite::clauses::{Basis, Ruling, RulingKind};
 
 /// Renders the list of rulings and the page of each ruling.
 pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {
@@ -13,8 +13,8 @@ pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {
         p.lead { "Rulings answer the questions that the text leaves open. Each page states how this suite and public readers read the text, and whether other readings fail." }
         (PageContext::descriptions(&context.library.texts.ruling_kinds, &["must", "choice", "lenient"]))
         div.scroll tabindex="0" { table.list {
-            thead { tr { th scope="col" { "ruling" } th scope="col" { "kind" } th scope="col" { "question" } } }
-            tbody { @for ruling in rulings { tr { td { (context.link(&ruling.id)) } td { (ruling.kind.name()) } td { (ruling.question.trim()) } } } }
+            thead { tr { th scope="col" { "ruling" } th scope="col" { "kind" } th scope="col" { "rests on" } th scope="col" { "question" } } }
+            tbody { @for ruling in rulings { tr { td { (context.link(&ruling.id)) } td { (ruling.kind.name()) } td { (ruling.rests_on.map_or("", Basis::name)) } td { (ruling.question.trim()) } } } }
         } }
     };
     let mut pages = vec![context.list("Rulings", &list)];
@@ -29,6 +29,7 @@ pub(super) fn describe_ruling(context: PageContext, ruling: &Ruling) -> Markup {
         p { b { "Our reading: " } (context.prose(ruling.reading.trim())) }
         @for also in &ruling.alternatives { p { b { "Also correct: " } (context.prose(also)) } }
         p { b { "Evidence: " } (context.prose(ruling.evidence.trim())) }
+        @if let Some(basis) = ruling.rests_on { p { b { "Rests on: " } (basis.name()) " – " (basis.describe()) "." } }
     }
 }
 

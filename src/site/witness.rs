@@ -8,7 +8,9 @@ use crate::misreadings::{self, Misreading, answer};
 use crate::protocol::frame::{Answer, View};
 use crate::reading::Reading;
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::{choices::CHOICES, test_case::TestCase};
+use crate::suite::choices::CHOICES;
+use crate::suite::dialect::{Dialect, RightDialects};
+use crate::suite::test_case::TestCase;
 
 /// File that reveals a misreading.
 #[derive(Clone, Debug)]
@@ -54,7 +56,17 @@ fn witness(misreading: &Misreading, index: usize, case: &Case) -> Option<Misread
         (Expect::Reject, _) => !matches!(answer, Answer::Rejected),
         (Expect::Refuse, compared) => compared.is_some(),
         (Expect::Decode | Expect::Lenient, Some(compared)) => {
-            !CHOICES.is_right(&compared.right, &CHOICES.reference())
+            let Answer::Decoded(frame) = &answer else {
+                return None;
+            };
+            let is_wrong =
+                |dialect: &Dialect| case.difference_in(&built, view, frame, dialect).is_some();
+            match &compared.right {
+                RightDialects::Regardless(right) => !right,
+                RightDialects::Depends { axes, .. } => {
+                    CHOICES.combinations(axes).iter().all(is_wrong)
+                }
+            }
         }
         _ => false,
     };

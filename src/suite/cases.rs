@@ -95,16 +95,14 @@ pub struct Built {
     pub fields: Vec<Field>,
     /// The values that a decoder should find.
     pub values: Values,
-    /// Correct images under every reading of the choices that affect the file, for each view that was requested.
+    /// Correct images in other dialects that were needed so far, by view and combination of readings; `None` if the file is
+    /// refused in that dialect.
     #[cfg_attr(
         not(unix),
         allow(dead_code, reason = "images are compared only where decoders run")
     )]
-    pub(crate) images: Mutex<HashMap<String, DialectImages>>,
+    pub(crate) images: Mutex<HashMap<(String, usize), Option<Arc<Expected>>>>,
 }
-
-/// Correct image in each dialect; `None` if the file is refused in that dialect.
-pub(crate) type DialectImages = Arc<Vec<Option<Expected>>>;
 
 /// Spelling of a lookup table in a file. A decoder need not support every spelling.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]

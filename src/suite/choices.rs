@@ -5,15 +5,19 @@
 use std::sync::Arc;
 
 use crate::decode::Alternative::{
-    BorderGray, BorderWrapped, CrFirst, HalvesRoundedDown, InversionAfterMotion, MotionAgainstRows,
-    MotionReversed, NoJpegLsOffset, RowsFirst, SideInformationOnlyIfLossy, UnitRange,
+    BorderBlack, BorderGray, BorderMirrored, BorderWrapped, ChromaCentered, CrFirst,
+    HalvesRoundedDown, HalvesRoundedUpTwice, HalvesToEven, InversionAfterMotion, LumClamped,
+    LuminanceClamped, MotionAgainstRows, MotionReversed, NoJpegLsOffset, RowsFirst,
+    SideInformationOnlyIfLossy, UnitRange,
 };
-use crate::protocol::frame::View;
+use crate::evaluate::polynomial;
+use crate::protocol::frame::{Light, View};
 use crate::ptm::Format;
 use crate::reading::Reading;
-use crate::suite::cases::{Built, Case, DialectImages};
+use crate::suite::cases::{Built, Case};
 use crate::suite::compare::Expected;
-use crate::suite::dialect::{Axis, Choice, Choices, Readings};
+use crate::suite::dialect::{Axis, Choice, Choices, Dialect, Readings};
+use crate::suite::values::Values;
 
 const LUM_VECTOR: Readings<Reading> = &[
     ("the matrix multiplies (Y, Cr, Cb, 1)", |_| {}),
@@ -26,6 +30,20 @@ const LUM_MAJOR: Readings<Reading> = &[
 const LUM_RANGE: Readings<Reading> = &[
     ("values and translation from 0 to 255", |_| {}),
     ("values and translation from 0 to 1", |r| r.set(UnitRange)),
+];
+const LUM_CHROMA: Readings<Reading> = &[
+    ("the matrix multiplies Cr and Cb as stored", |_| {}),
+    ("the matrix multiplies Cr − 128 and Cb − 128", |r| {
+        r.set(ChromaCentered);
+    }),
+];
+const LUM_CLAMP: Readings<Reading> = &[
+    ("Y is not clamped", |_| {}),
+    ("Y is clamped to 0…255", |r| r.set(LumClamped)),
+];
+const LUMINANCE_CLAMP: Readings<Reading> = &[
+    ("luminance is not clamped", |_| {}),
+    ("luminance is clamped to 255", |r| r.set(LuminanceClamped)),
 ];
 const MOTION_INVERSION: Readings<Reading> = &[
     ("the reference is inverted, then displaced", |_| {}),
@@ -48,6 +66,12 @@ const MOTION_VERTICAL: Readings<Reading> = &[
 const MOTION_HALF: Readings<Reading> = &[
     ("means that end in one half are rounded up", |_| {}),
     ("means are rounded down", |r| r.set(HalvesRoundedDown)),
+    ("means that end in one half are rounded to even", |r| {
+        r.set(HalvesToEven);
+    }),
+    ("means are rounded up along x, and then along y", |r| {
+        r.set(HalvesRoundedUpTwice)
+    }),
 ];
 const MOTION_BORDER: Readings<Reading> = &[
     ("samples outside a plane repeat its edge", |_| {}),
@@ -55,6 +79,13 @@ const MOTION_BORDER: Readings<Reading> = &[
         r.set(BorderWrapped);
     }),
     ("samples outside a plane are 128", |r| r.set(BorderGray)),
+    ("samples outside a plane are 0", |r| r.set(BorderBlack)),
+    (
+        "samples outside a plane mirror it, with its edge repeated",
+        |r| {
+            r.set(BorderMirrored);
+        },
+    ),
 ];
 const JPEG_LS_OFFSET: Readings<Reading> = &[
     ("JPEG-LS residuals are 128 more than the difference", |_| {}),
@@ -74,6 +105,9 @@ pub const CHOICES: Choices<Reading> = Choices(&[
     Choice::new("lum-vector", LUM_VECTOR),
     Choice::new("lum-major", LUM_MAJOR),
     Choice::new("lum-range", LUM_RANGE),
+    Choice::new("lum-chroma", LUM_CHROMA),
+    Choice::new("lum-clamp", LUM_CLAMP),
+    Choice::new("luminance-clamp", LUMINANCE_CLAMP),
     Choice::new("motion-inversion", MOTION_INVERSION),
     Choice::new("motion-sign", MOTION_SIGN),
     Choice::new("motion-vertical", MOTION_VERTICAL),
@@ -83,39 +117,67 @@ pub const CHOICES: Choices<Reading> = Choices(&[
     Choice::new("side-lossless", SIDE_LOSSLESS),
 ]);
 
-/// Returns the choices that affect a case in a view. Most cases are affected by none.
+/// Returns the choices that affect a case with these values in a view. Most cases are affected by none.
 ///
 /// A choice that is not returned must have no effect on the case: all of its readings produce the same image.
 #[must_use]
-pub fn relevant_axes(case: &Case, view: &View) -> Vec<Axis> {
-    match case.format() {
-        Format::Lum if matches!(view, View::Rgb(_)) => {
-            CHOICES.axes(&["lum-vector", "lum-major", "lum-range"])
+pub fn relevant_axes(case: &Case, values: &Values, view: &View) -> Vec<Axis> {
+    let mut rulings = case.axes();
+    if let View::Rgb(light) = view {
+        if case.format() == Format::Lum {
+            rulings.extend(["lum-vector", "lum-major", "lum-range", "lum-chroma"]);
         }
-        _ => CHOICES.axes(&case.axes()),
+        let clamp = match case.format().channels() {
+            8 => "lum-clamp",
+            9 => "luminance-clamp",
+            _ => return CHOICES.axes(&rulings),
+        };
+        // Under another reading of motion, luminance may leave the range although it does not under the reference's.
+        if !case.axes().is_empty() || is_changed_by_clamp(values, light) {
+            rulings.push(clamp);
+        }
     }
+    CHOICES.axes(&rulings)
 }
 
-/// Returns the correct image for each of the [`Choices::combinations`] of `axes`. The reference's image is known by construction.
+/// Returns true if clamping the luminance before it is used can change the color of a texel.
+fn is_changed_by_clamp(values: &Values, light: &Light) -> bool {
+    let Some(coefficients) = Expected::new(values, &View::Coef) else {
+        return false;
+    };
+    let mut texels = coefficients.values.chunks_exact(coefficients.channels);
+    texels.any(|texel| {
+        let luminance = polynomial(texel, light.lu, light.lv);
+        match &texel[6..] {
+            // Without a color in between, the final clamp makes up for the missing one.
+            [red, green, blue] => {
+                luminance > 255.0
+                    && [red, green, blue]
+                        .iter()
+                        .any(|&&color| color > 0.0 && color < 255.0)
+            }
+            _ => !(0.0..=255.0).contains(&luminance),
+        }
+    })
+}
+
+/// Returns the correct image in a dialect that differs from that of the reference, or `None` if the file is refused in it.
 ///
-/// The images are cached with the file, because a suite is run repeatedly.
-#[cfg_attr(
-    not(unix),
-    allow(dead_code, reason = "images are compared only where decoders run")
-)]
-pub(crate) fn dialect_images(
+/// The image of the reference is known by construction; the others are decoded, and only when a decoder needs them. They are
+/// cached with the file, because a suite is run repeatedly.
+pub(crate) fn dialect_image(
     built: &Built,
     view: &View,
-    reference: Expected,
     axes: &[Axis],
-) -> DialectImages {
+    dialect: &Dialect,
+) -> Option<Arc<Expected>> {
+    let key = (view.to_string(), CHOICES.combination_index(dialect, axes));
     let mut known = built.images.lock().expect("no worker panics");
     let make = || {
-        let others = CHOICES.combinations(axes).into_iter().skip(1);
-        let others = others.map(|dialect| {
-            Expected::from_file(&built.file, view, &CHOICES.apply(&dialect, Reading::SPEC))
-        });
-        Arc::new(std::iter::once(Some(reference)).chain(others).collect())
+        let image = Expected::from_file(&built.file, view, &CHOICES.apply(dialect, Reading::SPEC))?;
+        // No reading makes the result depend more on the inverse DCT than that of the reference.
+        let slack = Expected::new(&built.values, view)?.slack;
+        Some(Arc::new(Expected { slack, ..image }))
     };
-    Arc::clone(known.entry(view.to_string()).or_insert_with(make))
+    known.entry(key).or_insert_with(make).clone()
 }

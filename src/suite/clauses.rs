@@ -53,6 +53,53 @@ pub struct Ruling {
     pub evidence: String,
     /// The effect on verdicts.
     pub kind: RulingKind,
+    /// The reason why a ruling of kind [`RulingKind::Must`] may fail a decoder. The rulings of the texture suite have none: there,
+    /// each case has a basis.
+    pub rests_on: Option<Basis>,
+}
+
+/// The reason why another reading of a ruling fails.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Basis {
+    /// The words of the specification, or of a standard that it names, leave no other reading.
+    Text,
+    /// A real file decides.
+    File,
+    /// Independent public readers decide.
+    Readers,
+    /// The text gives the file no value, so any image is wrong.
+    Undefined,
+}
+
+impl Basis {
+    /// Returns the name used in `rulings.yaml`.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Basis::Text => "text",
+            Basis::File => "file",
+            Basis::Readers => "readers",
+            Basis::Undefined => "undefined",
+        }
+    }
+
+    /// Describes the basis, as a sentence without a period.
+    #[must_use]
+    pub const fn describe(self) -> &'static str {
+        match self {
+            Basis::Text => {
+                "the words of the specification, or of a standard that it names, leave no other reading"
+            }
+            Basis::File => "a real file decides it, by the measurement in the evidence",
+            Basis::Readers => {
+                "independent public readers decide it; readers that decide otherwise contradict themselves or another clause"
+            }
+            Basis::Undefined => {
+                "the text gives such a file no value, so a refusal or \"unsupported\" is correct, and any image is wrong"
+            }
+        }
+    }
 }
 
 /// The effect of a ruling on verdicts.

@@ -11,6 +11,7 @@ use crate::formula::Edits;
 use crate::protocol::frame::{Frame, Light, View, ViewKind};
 use crate::ptm::{Limits, Size, channel_name};
 use crate::reading::Reading;
+use crate::suite::test_case::FlatBlocks;
 use crate::suite::values::{HandValues, Values};
 
 /// Expected samples of a frame.
@@ -124,6 +125,32 @@ impl Expected {
         }
         let loss = if frame.lossy { LOSSY_TOLERANCE } else { 0.0 };
         self.difference(|i| frame.samples.real(i), loss)
+    }
+
+    /// Sums the differences in flat blocks of intra-coded JPEG planes. `frame` has the shape of the expected raw samples.
+    pub(super) fn flat_blocks(&self, frame: &Frame) -> FlatBlocks {
+        let (width, height) = (self.size.width as usize, self.size.height as usize);
+        let mut flat = FlatBlocks::default();
+        for block in 0..(width / 8) * (height / 8) * self.channels {
+            let (channel, block) = (block % self.channels, block / self.channels);
+            let (x, stored_y) = (block % (width / 8) * 8, block / (width / 8) * 8);
+            // Blocks begin at the first stored row, which is the last row of the image.
+            let texel = |k: usize| (height - 1 - stored_y - k / 8) * width + x + k % 8;
+            let samples: Vec<usize> = (0..64)
+                .map(|k| texel(k) * self.channels + channel)
+                .collect();
+            let value = self.values[samples[0]];
+            // Only in an intra-coded plane do inverse DCTs differ by at most one.
+            if samples
+                .iter()
+                .all(|&i| self.values[i] == value && self.slack[i] == 1.0)
+            {
+                flat.samples += 64;
+                let differences = samples.iter().map(|&i| frame.samples.real(i) - value);
+                flat.sum += differences.sum::<f64>() as i32;
+            }
+        }
+        flat
     }
 
     /// Returns true if `received` is within the tolerance of sample `i`.

@@ -36,13 +36,34 @@ pub struct Dialect(pub Vec<usize>);
 pub enum RightDialects {
     /// In all dialects if true, or in none if false, because no choice affects the case.
     Regardless(bool),
-    /// In some dialects, depending on how they resolve the choices that affect the case.
-    In {
+    /// It depends on how a dialect resolves the choices that affect the case.
+    Depends {
         /// The choices.
         axes: Vec<Axis>,
-        /// For each combination of readings of these axes (`Choices::combinations`), true if the answer is right.
-        combinations: Vec<bool>,
+        /// True if the answer is right in the dialect of the reference. Other dialects are compared when they matter
+        /// ([`TestCase::difference_in`](crate::suite::test_case::TestCase::difference_in)).
+        in_reference: bool,
     },
+}
+
+impl RightDialects {
+    /// Returns the choices that affect the case.
+    #[must_use]
+    pub fn axes(&self) -> &[Axis] {
+        match self {
+            RightDialects::Regardless(_) => &[],
+            RightDialects::Depends { axes, .. } => axes,
+        }
+    }
+
+    /// Returns true if the answer is right in the dialect of the reference.
+    #[must_use]
+    pub const fn is_right_in_reference(&self) -> bool {
+        match self {
+            RightDialects::Regardless(right) => *right,
+            RightDialects::Depends { in_reference, .. } => *in_reference,
+        }
+    }
 }
 
 impl<R> Deref for Choices<R> {
@@ -70,7 +91,8 @@ impl<R> Choices<R> {
     }
 
     /// Returns every combination of readings of `axes`, the reference's first. The last axis changes fastest.
-    pub(crate) fn combinations(&self, axes: &[Axis]) -> Vec<Dialect> {
+    #[must_use]
+    pub fn combinations(&self, axes: &[Axis]) -> Vec<Dialect> {
         axes.iter().fold(vec![self.reference()], |all, &axis| {
             let each = |dialect: &Dialect| -> Vec<Dialect> {
                 let taking = |reading| {
@@ -85,7 +107,8 @@ impl<R> Choices<R> {
     }
 
     /// Returns the index of a dialect in [`Choices::combinations`] of `axes`.
-    pub(crate) fn combination_index(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
+    #[must_use]
+    pub fn combination_index(&self, dialect: &Dialect, axes: &[Axis]) -> usize {
         let step = |place, &axis: &Axis| place * self[axis].readings.len() + dialect.0[axis];
         axes.iter().fold(0, step)
     }
@@ -94,16 +117,5 @@ impl<R> Choices<R> {
     #[must_use]
     pub fn axes(&self, rulings: &[&str]) -> Vec<Axis> {
         ((0..self.len()).filter(|&axis| rulings.contains(&self[axis].ruling))).collect()
-    }
-
-    /// Returns true if an answer is right in a dialect.
-    #[must_use]
-    pub fn is_right(&self, right: &RightDialects, dialect: &Dialect) -> bool {
-        match right {
-            RightDialects::Regardless(right) => *right,
-            RightDialects::In { axes, combinations } => {
-                combinations[self.combination_index(dialect, axes)]
-            }
-        }
     }
 }

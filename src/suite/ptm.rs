@@ -8,11 +8,11 @@ use crate::protocol::frame::{Frame, View, ViewKind};
 use crate::ptm::Format;
 use crate::reading::Reading;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
-use crate::suite::choices::{CHOICES, dialect_images, relevant_axes};
+use crate::suite::choices::{CHOICES, dialect_image, relevant_axes};
 use crate::suite::compare::{Difference, Expected};
 use crate::suite::dialect::{Choices, Dialect, RightDialects};
 use crate::suite::features::Feature;
-use crate::suite::test_case::{Allowance, Comparison, TestCase};
+use crate::suite::test_case::{Allowance, Comparison, FlatBlocks, TestCase};
 use crate::suite::values::Values;
 
 impl TestCase for Case {
@@ -127,7 +127,8 @@ impl TestCase for Case {
     }
 
     fn compare(&self, built: &Arc<Built>, view: &View, frame: &Frame) -> Comparison<Case> {
-        let (axes, is_raw) = (relevant_axes(self, view), *view == View::Raw);
+        let axes = relevant_axes(self, &built.values, view);
+        let is_raw = *view == View::Raw;
         // Most answers are equal to the expected bytes, and then nothing else has to be compared.
         if is_raw && axes.is_empty() && built.values.has_equal_samples(frame) {
             return Comparison {
@@ -143,20 +144,17 @@ impl TestCase for Case {
         let allowance = match difference {
             _ if frame.lossy => Allowance::Lossy,
             // A different inverse DCT decoded the lossy JPEG planes.
-            None if is_other => Allowance::AnotherTransform,
+            None if is_other => Allowance::AnotherTransform(
+                (expected.as_ref())
+                    .map_or_else(FlatBlocks::default, |expected| expected.flat_blocks(frame)),
+            ),
             _ => Allowance::None,
         };
         let right = match expected {
-            Some(expected) if !axes.is_empty() => {
-                let images = dialect_images(built, view, expected, &axes);
-                let equals = |image: &Option<Expected>| {
-                    (image.as_ref()).is_some_and(|image| image.compare(frame).is_none())
-                };
-                RightDialects::In {
-                    axes,
-                    combinations: images.iter().map(equals).collect(),
-                }
-            }
+            Some(_) if !axes.is_empty() => RightDialects::Depends {
+                axes,
+                in_reference: difference.is_none(),
+            },
             expected => RightDialects::Regardless(
                 matches!(built.values, Values::Any) || expected.is_some() && difference.is_none(),
             ),
@@ -168,14 +166,24 @@ impl TestCase for Case {
         }
     }
 
-    fn difference_in(&self, view: &View, frame: &Frame, dialect: &Dialect) -> Option<Difference> {
-        // Files that are affected by a choice have no table, so there is only one spelling.
-        let built = self.build(TableSpelling::default());
-        let axes = relevant_axes(self, view);
-        let expected = Expected::new(&built.values, view)?;
-        let images = dialect_images(&built, view, expected, &axes);
-        let image = images[CHOICES.combination_index(dialect, &axes)].as_ref();
-        image?.compare(frame)
+    fn difference_in(
+        &self,
+        built: &Arc<Built>,
+        view: &View,
+        frame: &Frame,
+        dialect: &Dialect,
+    ) -> Option<Difference> {
+        let axes = relevant_axes(self, &built.values, view);
+        if CHOICES.combination_index(dialect, &axes) == 0 {
+            return Expected::new(&built.values, view)?.compare(frame);
+        }
+        match dialect_image(built, view, &axes, dialect) {
+            Some(image) => image.compare(frame),
+            None => Some(Difference::Shape {
+                expected: "a refusal".to_owned(),
+                received: "an image".to_owned(),
+            }),
+        }
     }
 
     fn similarity(difference: &Difference) -> f64 {

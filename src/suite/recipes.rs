@@ -72,6 +72,7 @@ fn set_spelling(spelling: &mut Spelling, name: &str, text: &str) -> Result<(), S
         }
         "size_lines" => spelling.size_on_two_lines = yes_or_no(name, text, ["2", "1"])?,
         "scale_bias_lines" => spelling.scale_bias_on_two_lines = yes_or_no(name, text, ["2", "1"])?,
+        "leading_zeros" => spelling.leading_zeros = number(name, text)?,
         "gap" => spelling.gap = number(name, text)?,
         "count" => spelling.count = text.parse()?,
         "newline_after_table" => spelling.newline_after_table = flag(name, text)?,

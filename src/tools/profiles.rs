@@ -16,6 +16,7 @@ use crate::kit::{digest::sha256, parallel::map_in_parallel, yaml::to_yaml};
 use crate::protocol::frame::{View, ViewKind};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::choices::{CHOICES, relevant_axes};
+use crate::suite::values::Values;
 use crate::suite::{compare::Expected, corpus::write_file};
 use crate::tools::export::{encode_exr, npy_bytes, npy_floats, stacked_planes};
 use crate::tools::lint::codes::Code;
@@ -223,7 +224,14 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>
     let mut expected = Vec::new();
     for view in profile.views(case) {
         if let Some(values) = Expected::new(&built.values, &view) {
-            expected.extend(answers(case, &view, &values, profile, &mut outputs)?);
+            expected.extend(answers(
+                case,
+                &built.values,
+                &view,
+                &values,
+                profile,
+                &mut outputs,
+            )?);
         }
     }
     let refused = matches!(case.expect, Expect::Reject | Expect::Refuse);
@@ -252,12 +260,13 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>
 /// file. Returns their manifest entries.
 fn answers(
     case: &Case,
+    values: &Values,
     view: &View,
     expected: &Expected,
     profile: Profile,
     outputs: &mut Vec<ProfileFile>,
 ) -> Result<Vec<ProfileAnswer>, String> {
-    let axes = relevant_axes(case, view).into_iter();
+    let axes = relevant_axes(case, values, view).into_iter();
     let shows: Vec<&str> = axes.map(|axis| CHOICES[axis].ruling).collect();
     // `raw`, `coef`, `rgb-0.25--0.5`
     let suffix = view.to_string().replace([':', ','], "-");

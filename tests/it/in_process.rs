@@ -39,6 +39,8 @@ pub fn formula_misreading(edits: Vec<Edit>) -> Misreading {
     Misreading {
         slug: "none",
         clause: "1.0/1",
+        violates: None,
+        reading_of: None,
         effect: "",
         fix: "",
         symptom: Symptom::Values,

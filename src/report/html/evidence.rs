@@ -30,7 +30,7 @@ pub fn case_evidence(case: &Case, table: TableSpelling, observed: &Observation) 
         _ => render_file_beginning(&built),
     };
     html! {
-        @if let Response::Image { right: RightDialects::In { .. }, .. } = &observed.response {
+        @if let Response::Image { right: RightDialects::Depends { .. }, .. } = &observed.response {
             p.note { "The specification leaves open how to read this file. Several images are correct; the reference's image is shown." }
         }
         (shown)

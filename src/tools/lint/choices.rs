@@ -52,7 +52,7 @@ fn affected_role(dissection: &Dissection, ruling: &str) -> Option<Role> {
     let is_predicted = is_jpeg_ls && any(Role::Reference, |reference| reference >= 0);
     let has_records = is_jpeg_ls && any(Role::SideSize, |size| size > 0);
     let (role, is_present) = match ruling {
-        "lum-vector" | "lum-major" => (Role::Matrix(0), is_lum),
+        "lum-vector" | "lum-major" | "lum-chroma" | "lum-clamp" => (Role::Matrix(0), is_lum),
         "lum-range" => (Role::Matrix(12), is_lum),
         "jpeg-ls-offset" => (Role::Reference(0), is_predicted),
         "side-lossless" => (Role::SideSize(0), has_records),

@@ -1,9 +1,12 @@
 //! Tests properties of the cases for §2.9.
 
+use ptm_conform::Reading;
 use ptm_conform::generate::{Model, plan::Residuals};
 use ptm_conform::protocol::frame::View;
-use ptm_conform::ptm::Coding;
+use ptm_conform::ptm::{Coding, Limits};
 use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
+use ptm_conform::suite::choices::CHOICES;
+use ptm_conform::suite::dialect::{Axis, Dialect};
 use ptm_conform::suite::values::Values;
 
 /// Returns the small compressed cases that the generator writes undamaged, with their models.
@@ -83,15 +86,86 @@ fn cases_depend_only_on_the_choices_of_their_recipes() {
     }
 }
 
+/// A choice that a case does not show has no effect on its planes, whatever the readings of the other choices are.
 #[test]
-fn every_choice_except_inversion_has_an_isolated_case() {
-    let cases = generated_cases();
-    let has_case = |axes: &[&str]| cases.iter().any(|(case, _)| case.axes() == axes);
-    let axes = "jpeg-ls-offset motion-sign motion-vertical motion-half motion-border side-lossless";
-    for axis in axes.split(' ') {
-        assert!(has_case(&[axis]), "{axis}");
+fn choices_that_a_case_does_not_show_have_no_effect() {
+    let mut missing = Vec::new();
+    for (case, _) in generated_cases() {
+        let shown = CHOICES.axes(&case.axes());
+        let all = CHOICES.axes(&case.recipe().expect("painted").compression.axes());
+        let file = &case.build(TableSpelling::default()).file;
+        let planes = |dialect: &Dialect| {
+            let reading = CHOICES.apply(dialect, Reading::SPEC);
+            ptm_conform::decode_as(file, &reading, &Limits::default()).map(|ptm| ptm.planes)
+        };
+        for dialect in CHOICES.combinations(&shown) {
+            let expected = planes(&dialect);
+            for &axis in all.iter().filter(|axis| !shown.contains(axis)) {
+                for reading in 1..CHOICES[axis].readings.len() {
+                    let mut other = dialect.clone();
+                    other.0[axis] = reading;
+                    if planes(&other) != expected {
+                        missing.push((case.id.clone(), CHOICES[axis].readings[reading].0));
+                    }
+                }
+            }
+        }
     }
-    assert!(has_case(&["motion-half", "motion-inversion"]));
+    missing.dedup();
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+#[test]
+fn choices_that_a_case_shows_have_an_effect() {
+    let mut idle = Vec::new();
+    for (case, _) in generated_cases() {
+        let shown = CHOICES.axes(&case.axes());
+        // A recipe without a list shows everything that could matter.
+        let is_listed = shown.len() < case.recipe().expect("painted").compression.axes().len();
+        let file = &case.build(TableSpelling::default()).file;
+        let planes = |dialect: &Dialect| {
+            let reading = CHOICES.apply(dialect, Reading::SPEC);
+            ptm_conform::decode_as(file, &reading, &Limits::default()).map(|ptm| ptm.planes)
+        };
+        for &axis in shown.iter().filter(|_| is_listed) {
+            let others: Vec<Axis> = shown
+                .iter()
+                .copied()
+                .filter(|&other| other != axis)
+                .collect();
+            let has_effect = CHOICES.combinations(&others).into_iter().any(|dialect| {
+                let expected = planes(&dialect);
+                (1..CHOICES[axis].readings.len()).any(|reading| {
+                    let mut other = dialect.clone();
+                    other.0[axis] = reading;
+                    planes(&other) != expected
+                })
+            });
+            if !has_effect {
+                idle.push((case.id.clone(), CHOICES[axis].ruling));
+            }
+        }
+    }
+    assert!(idle.is_empty(), "{idle:#?}");
+}
+
+#[test]
+fn every_choice_has_a_case_that_shows_little_else() {
+    let cases = generated_cases();
+    for axes in [
+        &["jpeg-ls-offset"][..],
+        &["motion-vertical"],
+        &["motion-half"],
+        &["side-lossless"],
+        // A mirrored border depends on the direction, and a displaced plane has samples outside its reference.
+        &["motion-sign", "motion-border"],
+        &["motion-half", "motion-inversion"],
+    ] {
+        assert!(
+            cases.iter().any(|(case, _)| case.axes() == axes),
+            "{axes:?}"
+        );
+    }
 }
 
 #[test]

@@ -1,4 +1,5 @@
 #![cfg(all(unix, feature = "cli"))]
 
 mod corpus;
+mod rulings;
 mod schemas;

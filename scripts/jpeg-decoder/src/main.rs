@@ -1,0 +1,64 @@
+//! A PTM decoder that takes the samples of JPEG planes from the crate jpeg-decoder, and everything else from the reference.
+//!
+//! ```text
+//! cargo build --release --manifest-path scripts/jpeg-decoder/Cargo.toml
+//! ptm-conform check --clause 2.9.8/11 -- scripts/jpeg-decoder/target/release/ptm-with-jpeg-decoder
+//! ```
+//!
+//! With `--shard 1/1 --report FILE`, `check` records the answers. `tests/it/recordings/jpeg-decoder-0.3.2.answers.gz` was recorded
+//! this way on an x86-64 processor with SSSE3.
+
+use std::env;
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use ptm_conform::Reading;
+use ptm_conform::misreadings::{self, Hook, Misreading, Symptom};
+use ptm_conform::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
+use ptm_conform::ptm::Coding;
+
+fn main() -> ExitCode {
+    let words: Vec<String> = env::args().collect();
+    let [_, view, file] = &words[..] else {
+        eprintln!("usage: ptm-with-jpeg-decoder VIEW FILE");
+        return ExitCode::from(2);
+    };
+    let (Ok(view), Ok(file)) = (view.parse(), std::fs::read(file)) else {
+        return ExitCode::from(2);
+    };
+    match answer(&file, &view) {
+        Answer::Decoded(frame) => {
+            let mut out = io::BufWriter::new(io::stdout().lock());
+            let written = frame.write(&mut out).and_then(|()| out.flush());
+            written.map_or(ExitCode::from(2), |()| ExitCode::SUCCESS)
+        }
+        Answer::Rejected => ExitCode::from(EXIT_MALFORMED as u8),
+        _ => ExitCode::from(EXIT_UNSUPPORTED as u8),
+    }
+}
+
+fn answer(file: &[u8], view: &View) -> Answer {
+    let is_jpeg = |ptm: &ptm_conform::Ptm| ptm.header.format.coding() == Some(Coding::Jpeg);
+    if !ptm_conform::decode(file).is_ok_and(|ptm| is_jpeg(&ptm)) {
+        // Only legal JPEG files are of interest here; the reference answers for the others.
+        return misreadings::answer(&[], Reading::SPEC, file, view);
+    }
+    let codec = Misreading {
+        slug: "jpeg-decoder",
+        clause: "2.9.8/11",
+        violates: None,
+        reading_of: None,
+        effect: "takes the samples of JPEG planes from the crate jpeg-decoder",
+        fix: "",
+        symptom: Symptom::Values,
+        sightings: Vec::new(),
+        step: Hook::Stream(|stream| {
+            jpeg_decoder::Decoder::new(stream.bytes).decode().or_else(|error| {
+                eprintln!("plane {}: {error}", stream.plane);
+                // Any error refuses the file.
+                ptm_conform::decode(&[]).map(|_| Vec::new())
+            })
+        }),
+    };
+    misreadings::answer(&[&codec], Reading::SPEC, file, view)
+}
