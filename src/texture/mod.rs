@@ -69,7 +69,7 @@ pub(crate) mod boundary;
 pub use boundary::texel_index;
 
 mod precision;
-pub use precision::{MAX_LEVEL_WEIGHT_ERROR, MAX_WEIGHT_ERROR, Sample, Tolerance};
+pub use precision::{MAX_LEVEL_WEIGHT_ERROR, MAX_WEIGHT_ERROR, Tolerance, ToleratedSample};
 
 pub(crate) mod sample;
 pub use sample::{fetch, fetch_with_tolerance};

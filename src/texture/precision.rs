@@ -33,18 +33,18 @@ pub type Tolerance = [f64; 4];
 
 /// Exact sample of a map, and the deviation that is allowed for each component.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Sample {
+pub struct ToleratedSample {
     /// Exact sample.
     pub value: MapValue,
     /// Tolerance of each component; 0 for components that the sample lacks.
     pub tolerance: Tolerance,
 }
 
-impl Sample {
+impl ToleratedSample {
     /// Creates a sample without a tolerance.
     #[must_use]
-    pub fn exact(value: MapValue) -> Sample {
-        Sample {
+    pub fn exact(value: MapValue) -> ToleratedSample {
+        ToleratedSample {
             value,
             tolerance: [0.0; 4],
         }
@@ -68,7 +68,7 @@ impl Filtered {
     }
 
     /// Interpolates between two levels. `weight` is the weight of the upper level.
-    pub fn between(lower: &Filtered, upper: &Filtered, weight: f64) -> Filtered {
+    pub fn interpolate(lower: &Filtered, upper: &Filtered, weight: f64) -> Filtered {
         let parts = [(lower.texel, 1.0 - weight), (upper.texel, weight)];
         let [a, b] = [lower.texel.values(), upper.texel.values()];
         let [ta, tb] = [lower.tolerance, upper.tolerance];

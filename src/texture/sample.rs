@@ -13,7 +13,7 @@
 use super::boundary::{fold_index, is_clamped};
 use super::entry::{Boundary, Entry, SampleMethod, Vector};
 use super::map::{CellPair, Level, Texel, TextureMap};
-use super::precision::{Filtered, Sample, tolerance_of_average};
+use super::precision::{Filtered, ToleratedSample, tolerance_of_average};
 use super::{primitive::MapValue, rules::Rules};
 
 /// Samples `map` at `t` and `depth` with the method that the entry specifies for magnified or minified maps.
@@ -38,10 +38,10 @@ pub fn fetch_with_tolerance(
     depth: f64,
     magnify: bool,
     rules: &Rules,
-) -> Sample {
+) -> ToleratedSample {
     let method = (rules.method)(entry, magnify);
     if is_clamped(entry, t, map.dimensions(), rules) {
-        return Sample::exact((rules.outside)(entry, map, t, method, rules));
+        return ToleratedSample::exact((rules.outside)(entry, map, t, method, rules));
     }
     let top = map.levels().len() - 1;
     let level =
@@ -50,7 +50,7 @@ pub fn fetch_with_tolerance(
         };
     let between = |average| {
         let (lower, upper, weight) = (rules.levels)(depth, top);
-        Filtered::between(&level(lower, average), &level(upper, average), weight)
+        Filtered::interpolate(&level(lower, average), &level(upper, average), weight)
     };
     let closest = (rules.closest_level)(depth, top);
     let filtered = match method {
@@ -61,7 +61,7 @@ pub fn fetch_with_tolerance(
         SampleMethod::SingleBetweenMipmaps => between(closest_texel),
         SampleMethod::WeightedBetweenMipmaps => between(weighted_average),
     };
-    Sample {
+    ToleratedSample {
         value: MapValue::Texel(filtered.texel),
         tolerance: filtered.tolerance,
     }

@@ -16,6 +16,4 @@ pub mod expected;
 pub mod fixtures;
 pub mod question;
 pub mod test_case;
-#[cfg(test)]
-mod texture_unit;
 pub mod verify;

@@ -14,8 +14,8 @@ use serde_json::{Map, Value, json};
 use crate::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use crate::texture::{
     self, Boundary, Color, Correction, Entry, Footprint, Frequency, Interpolation, Level,
-    LitPrimitive, MapValue, Matrix, NoValue, Point, Rounding, Rules, Sample, Selection, Shade,
-    SplinePoint, Surface, Texel, TexelKind, TextureMap, Tolerance, Vector, VertexData,
+    LitPrimitive, MapValue, Matrix, NoValue, Point, Rounding, Rules, Selection, Shade, SplinePoint,
+    Surface, Texel, TexelKind, TextureMap, Tolerance, ToleratedSample, Vector, VertexData,
 };
 
 /// A question for a texture stage.
@@ -99,8 +99,8 @@ impl Question {
 pub struct ToleratedAnswer {
     /// Exact answer, a JSON object.
     pub answer: Value,
-    /// How far the numbers of another correct answer may be from the exact ones (ruling `filter-precision`), in addition to the
-    /// tolerance for arithmetic. It has the shape of the answer; fields without a tolerance are missing.
+    /// Allowed deviation of each number (ruling `filter-precision`), in addition to the tolerance for arithmetic. It has the shape
+    /// of the answer; fields without a tolerance are missing.
     pub tolerance: Value,
 }
 
@@ -309,13 +309,7 @@ impl TextureStep {
                 let (depth, is_magnified) = (*depth, *is_magnified);
                 let sample =
                     texture::fetch_with_tolerance(&entry, &map, *t, depth, is_magnified, rules);
-                match sample.value.components() {
-                    Some(components) => ToleratedAnswer {
-                        answer: json!({ "texel": numbers(components) }),
-                        tolerance: json!({ "texel": numbers(&sample.tolerance[..components.len()]) }),
-                    },
-                    None => ToleratedAnswer::exact(json!({ "texel": "discontinue" })),
-                }
+                texel_json(&sample)
             }
             &TextureStep::Compose {
                 ref entry,
@@ -676,9 +670,9 @@ struct StageEntry {
 
 impl StageEntry {
     /// Returns the given texel, or samples the map.
-    fn sample(&self, entry: &Entry, rules: &Rules) -> Result<Sample, Unanswered> {
+    fn sample(&self, entry: &Entry, rules: &Rules) -> Result<ToleratedSample, Unanswered> {
         if let Some(texel) = &self.texel {
-            return Ok(Sample::exact(texel.fetched()?));
+            return Ok(ToleratedSample::exact(texel.fetched()?));
         }
         let map = match &self.map {
             Some(map) => map.map(rules)?,
@@ -760,6 +754,16 @@ fn padded(values: &[f64], with: f64) -> Vector {
 
 fn shade_json(shade: Shade) -> Value {
     json!({ "color": numbers(&shade.color), "alpha": number(shade.alpha) })
+}
+
+fn texel_json(sample: &ToleratedSample) -> ToleratedAnswer {
+    match sample.value.components() {
+        Some(components) => ToleratedAnswer {
+            answer: json!({ "texel": numbers(components) }),
+            tolerance: json!({ "texel": numbers(&sample.tolerance[..components.len()]) }),
+        },
+        None => ToleratedAnswer::exact(json!({ "texel": "discontinue" })),
+    }
 }
 
 fn numbers(values: &[f64]) -> Value {
