@@ -107,7 +107,7 @@ fn largest_mixed_difference(corners: &[Texel], set: usize) -> [f64; 4] {
     for base in (0..corners.len()).filter(|corner| corner & set == 0) {
         let mut difference = [0.0; 4];
         for corner in (0..corners.len()).filter(|corner| corner & !set == base) {
-            let sign = if (corner & set).count_ones() % 2 == 0 {
+            let sign = if (corner & set).count_ones().is_multiple_of(2) {
                 1.0
             } else {
                 -1.0
