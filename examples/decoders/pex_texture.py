@@ -194,7 +194,7 @@ def depth(given):
     spans = [n * math.hypot(dx, dy) for n, dx, dy in zip(size, given["dtdx"], given["dtdy"])]
     widest = max(hint * span for hint, span in zip(hints, spans))           # [depth-formula]
     level = math.log2(widest) + given.get("bias", 0.0) if widest else "-inf"
-    return {"depth": level, "mode": "min" if max(spans) > 1 else "mag"}     # [one-texel]
+    return {"depth": level, "mode": "min" if max(spans) > 1 else "mag"}     # [one-texel, bias-and-mode]
 
 
 # Texture maps: a kind, and levels with a size and texels; t0 varies fastest

@@ -11,7 +11,7 @@ use crate::misreadings::texture::{Change, all};
 use crate::protocol::frame::Answer;
 use crate::session::{observation::Response, outcome::Outcome, run::Run};
 use crate::suite::cases::{Expect, Suite};
-use crate::suite::texture::{choices::CHOICES, compare::difference};
+use crate::suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
 use crate::suite::{test_case::TestCase, texture::cases::TextureCase};
 use crate::texture::Rules;
 
@@ -37,14 +37,17 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
     let Some(observation) = &run.observations[i] else {
         return false;
     };
-    match (&observation.response, case.answer(rules)) {
-        (Response::Image { frame, .. }, Answer::Decoded(answer)) => {
+    match (&observation.response, case.expected_under(rules)) {
+        (Response::Image { frame, .. }, Some(misread)) => {
             // Answers that equal the reference's are not stored. A field that only one answer has counts as a difference.
             let received = frame.as_ref().unwrap_or(&case.expect);
-            let differs = difference(&checked_fields(case, &answer), received, case.tolerance);
-            case.expect() == Expect::Reject || differs.is_none()
+            let misread = ExpectedAnswer {
+                answer: checked_fields(case, &misread.answer),
+                ..misread
+            };
+            case.expect() == Expect::Reject || misread.difference(received).is_none()
         }
-        (Response::Rejected, Answer::Rejected) => true,
+        (Response::Rejected, None) => case.answer(rules) == Answer::Rejected,
         _ => false,
     }
 }
@@ -60,7 +63,7 @@ fn would_fail(run: &Run<TextureCase>, case: &TextureCase, rules: &Rules) -> bool
     match case.answer(rules) {
         Answer::Decoded(answer) => {
             let expected = case.expected(&run.judgment.dialect);
-            must_refuse || difference(&expected, &answer, case.tolerance).is_some()
+            must_refuse || expected.difference(&answer).is_some()
         }
         Answer::Rejected => !must_refuse,
         _ => true,

@@ -7,12 +7,14 @@
 use std::sync::LazyLock;
 
 use super::misreading::{Misreading, load_catalog};
+use crate::texture::boundary::fold_index;
 use crate::texture::compose::{mix, multiply};
+use crate::texture::map::texel_color;
 use crate::texture::parameterize::{dot, length};
 use crate::texture::{
     Boundary, Channel, ClampMethod, Color, Composition, Entry, Frequency, InteriorStyle,
     Interpolation, LitPrimitive, MapValue, Parameterization, RenderingControl, Rules, SampleMethod,
-    Selection, Shade, Site, Texel,
+    Selection, Shade, Site, Texel, TexelKind, TextureMap,
 };
 use crate::texture::{primitive::Terms, stage::is_split};
 
@@ -662,6 +664,14 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
             r.border = |k, size| usize::try_from(k).ok().filter(|&k| k < size).unwrap_or(0);
         },
         "explicit-is-border" => |r| r.is_clamped = |_, _, _, _| false,
+        "clamp-color-blended" => |r| {
+            r.outside = |entry, map, t, method, rules| match entry.clamp_method {
+                ClampMethod::Color if method == SampleMethod::WeightedBase => {
+                    MapValue::Clamped(average_with_border(entry, map, t, rules))
+                }
+                _ => (rules.clamp)(entry),
+            };
+        },
         "one-is-outside" => |r| r.is_outside = |t| !(0.0..1.0).contains(&t),
         "zero-is-outside" => |r| r.is_outside = |t| !(t > 0.0 && t <= 1.0),
         "only-beyond-one-is-outside" => |r| r.is_outside = |t| t > 1.0,
@@ -745,6 +755,32 @@ fn blend_with(x: &Terms, color: Color) -> Shade {
 /// Covers the primitive with `color`, weighted per channel by `weights`, like a decal (R-CMP-37).
 fn cover_with(x: &Terms, color: Color, weights: Color) -> Shade {
     with_color(x.input, mix(x.input.color, color, weights))
+}
+
+/// Returns the weighted average of the base level, in which the texels beyond an edge with explicit clamp have the clamp color.
+/// Texture units do this at a border.
+fn average_with_border(entry: &Entry, map: &TextureMap, t: [f64; 3], rules: &Rules) -> Texel {
+    let level = &map.levels()[0];
+    let corners = (0..1_usize << map.dimensions()).map(|corner| {
+        let (mut at, mut weight, mut is_border) = ([0; 3], 1.0, false);
+        for d in 0..map.dimensions() {
+            let (boundary, size) = ((rules.condition)(entry, d), level.size[d]);
+            let u = t[d] * size as f64 - 0.5;
+            let is_upper = corner >> d & 1 == 1;
+            let k = u.floor() as i64 + i64::from(is_upper);
+            let share = u - u.floor();
+            weight *= if is_upper { share } else { 1.0 - share };
+            is_border |= boundary == Boundary::ClampExplicit && !(0..size as i64).contains(&k);
+            at[d] = fold_index(boundary, k, size, rules);
+        }
+        let color = if is_border {
+            entry.clamp_color
+        } else {
+            texel_color(&level.texels[(rules.offset)(level.size, at)])
+        };
+        (Texel::rgb(color), weight)
+    });
+    Texel::sum(TexelKind::RGB, corners)
 }
 
 fn with_rendering_control(

@@ -25,4 +25,6 @@ pub mod run;
 pub mod scores;
 mod tally;
 pub mod texture_stage;
+#[cfg(test)]
+mod texture_unit;
 pub mod transform;

@@ -11,8 +11,9 @@
 //! - Inside the map, weighted averages under an explicit clamp may need neighbors outside the map. In that case, the edge is
 //!   replicated (ruling `explicit-neighbour`).
 
-use super::entry::{Boundary, ClampMethod, Entry, Vector};
-use super::{map::Texel, primitive::MapValue, rules::Rules};
+use super::entry::{Boundary, ClampMethod, Entry, SampleMethod, Vector};
+use super::map::{Texel, TextureMap};
+use super::{primitive::MapValue, rules::Rules};
 
 /// Returns the texel index along one direction for coordinate `t` in a level of `size` texels.
 #[must_use]
@@ -44,6 +45,18 @@ pub fn is_clamped_in_any_direction(
 /// Returns true if `t` is outside 0 … 1. Both ends are inside (R-BND-01).
 pub fn is_outside(t: f64) -> bool {
     !(0.0..=1.0).contains(&t)
+}
+
+/// Returns the sample at a coordinate outside the map under an explicit clamp: the result of the clamp method, whatever the
+/// sampling method is and however close the map is (R-BND-03).
+pub fn sample_outside(
+    entry: &Entry,
+    _: &TextureMap,
+    _: Vector,
+    _: SampleMethod,
+    rules: &Rules,
+) -> MapValue {
+    (rules.clamp)(entry)
 }
 
 /// Returns the result of the clamp method (R-CLM-03, R-CLM-04).

@@ -8,9 +8,11 @@
 //! - The chapter's suggested formulas are lost, and other formulas are allowed (R-HNT-01), so no verdict depends on this module
 //!   (ruling `depth-formula`).
 //! - The map is magnified if a pixel covers exactly one texel. If directions disagree, the largest span decides (ruling
-//!   `one-texel`).
+//!   `one-texel`). The bias changes the depth, but not the choice between minification and magnification (ruling
+//!   `bias-and-mode`).
 
 use super::entry::Vector;
+use super::rules::Rules;
 
 /// Changes in texture coordinates from a pixel to its neighbors.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -31,10 +33,23 @@ pub fn sample_depth(size: &[usize], footprint: &Footprint, bias: f64, frequency:
     weighted.fold(0.0, f64::max).log2() + bias
 }
 
-/// Returns true if a pixel covers at most one texel of a map with base size `size` (ruling `one-texel`).
+/// Returns true if the magnification method applies to a pixel. `size` is the size of the base level.
 #[must_use]
-pub fn is_magnified(size: &[usize], footprint: &Footprint) -> bool {
-    spans(size, footprint).iter().all(|&span| span <= 1.0)
+pub fn is_magnified(size: &[usize], footprint: &Footprint, bias: f64, rules: &Rules) -> bool {
+    (rules.is_magnified)(&spans(size, footprint), bias)
+}
+
+/// Returns true if a pixel spans at most one texel in each direction (ruling `one-texel`), whatever the bias is (ruling
+/// `bias-and-mode`).
+pub fn span_at_most_one_texel(spans: &[f64], _bias: f64) -> bool {
+    spans.iter().all(|&span| span <= 1.0)
+}
+
+/// Returns true if a pixel spans at most one texel of the level that is `bias` levels above the base (alternative to ruling
+/// `bias-and-mode`).
+#[cfg(feature = "harness")]
+pub fn biased_depth_at_most_zero(spans: &[f64], bias: f64) -> bool {
+    spans.iter().all(|&span| span * bias.exp2() <= 1.0)
 }
 
 /// Returns the number of base-level texels that a pixel spans in each direction of the map.

@@ -82,6 +82,11 @@ impl Texel {
         &self.values[..self.kind.components()]
     }
 
+    /// Returns the components, followed by zeros.
+    pub(super) const fn values(&self) -> [f64; 4] {
+        self.values
+    }
+
     /// Returns the alpha component, if the texel has one (R-CMP-15).
     #[must_use]
     pub fn alpha(&self) -> Option<f64> {
@@ -98,8 +103,17 @@ impl Texel {
         matches!(self.kind, TexelKind::L | TexelKind::LA).then_some(self.values[0])
     }
 
+    /// Returns a texel whose components are changed by `change`, which gets the index and the value of a component.
+    #[must_use]
+    pub fn map_components(mut self, change: impl Fn(usize, f64) -> f64) -> Texel {
+        for c in 0..self.kind.components() {
+            self.values[c] = change(c, self.values[c]);
+        }
+        self
+    }
+
     /// Returns the weighted sum of texels of the same kind.
-    pub(super) fn sum(kind: TexelKind, parts: impl Iterator<Item = (Texel, f64)>) -> Texel {
+    pub(crate) fn sum(kind: TexelKind, parts: impl Iterator<Item = (Texel, f64)>) -> Texel {
         let mut values = [0.0; 4];
         for (texel, weight) in parts {
             for (value, part) in values.iter_mut().zip(texel.values) {

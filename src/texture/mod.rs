@@ -68,8 +68,11 @@ pub use depth::{Footprint, is_magnified, sample_depth};
 pub(crate) mod boundary;
 pub use boundary::texel_index;
 
+mod precision;
+pub use precision::{MAX_LEVEL_WEIGHT_ERROR, MAX_WEIGHT_ERROR, Tolerance, ToleratedSample};
+
 pub(crate) mod sample;
-pub use sample::fetch;
+pub use sample::{fetch, fetch_with_tolerance};
 
 pub(crate) mod compose;
 pub use compose::compose;

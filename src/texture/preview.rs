@@ -108,7 +108,7 @@ fn color_at(preview: &Preview, x: f64, y: f64, step: f64, rules: &Rules) -> Resu
     let (bias, frequency) = (preview.entry.depth_bias, preview.entry.frequency);
     let base = &preview.map.levels()[0].size[..preview.map.dimensions()];
     let depth = sample_depth(base, &footprint, bias, frequency);
-    let magnify = is_magnified(base, &footprint);
+    let magnify = is_magnified(base, &footprint, bias, rules);
     let fetched = fetch(&preview.entry, &preview.map, here, depth, magnify, rules);
     let maps = [(preview.entry.clone(), fetched)];
     let lit = light_surface(preview, &point);

@@ -4,7 +4,7 @@
 //! only through [`Rules`], so replacing one implements an alternative reading or a deliberate mistake.
 
 use super::entry::{Boundary, Color, Entry, Matrix, SampleMethod, Table, Vector};
-use super::map::{CellPair, Texel};
+use super::map::{CellPair, Texel, TextureMap};
 use super::no_value::NoValue;
 use super::primitive::{
     Frequency, InteriorStyle, Interpolation, LitPrimitive, MapValue, Point, Selection, Shade, Site,
@@ -60,9 +60,11 @@ pub struct Rules {
     pub(crate) decal: fn(&Terms) -> Shade,
     pub(crate) decal_background: fn(&Terms) -> Shade,
     // sampling
+    pub(crate) is_magnified: fn(spans: &[f64], bias: f64) -> bool,
     pub(crate) method: fn(&Entry, magnify: bool) -> SampleMethod,
     pub(crate) closest: fn(Boundary, f64, usize, &Rules) -> usize,
     pub(crate) neighbors: fn(Boundary, f64, usize, &Rules) -> CellPair,
+    pub(crate) corner_weights: fn(&[[f64; 2]; 3]) -> [f64; 8],
     pub(crate) offset: fn([usize; 3], [usize; 3]) -> usize,
     pub(crate) closest_level: fn(f64, usize) -> usize,
     pub(crate) levels: fn(f64, usize) -> (usize, usize, f64),
@@ -70,6 +72,7 @@ pub struct Rules {
     pub(crate) condition: fn(&Entry, usize) -> Boundary,
     pub(crate) is_clamped: fn(&Entry, Vector, usize, &Rules) -> bool,
     pub(crate) is_outside: fn(f64) -> bool,
+    pub(crate) outside: fn(&Entry, &TextureMap, Vector, SampleMethod, &Rules) -> MapValue,
     pub(crate) clamp: fn(&Entry) -> MapValue,
     pub(crate) clamp_color: fn(&Entry, &Texel, Shade, Color, &Rules) -> Shade,
     pub(crate) wrap: fn(i64, usize) -> usize,

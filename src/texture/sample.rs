@@ -7,11 +7,13 @@
 //! - n is the number of dimensions of the map. "2n" in the chapter stands for 2ⁿ.
 //! - Texel k of N covers k/N to (k + 1)/N (ruling `texel-grid`). On the border between two texels, the one with the higher
 //!   index counts as the closest (ruling `texel-tie`).
+//! - Samples are exact. `precision` states how far a correct sample may be from an exact one (ruling `filter-precision`).
 //! - A depth at or beyond the first or last level selects that level, without interpolation (R-SMP-09, R-SMP-11).
 
 use super::boundary::{fold_index, is_clamped};
 use super::entry::{Boundary, Entry, SampleMethod, Vector};
 use super::map::{CellPair, Level, Texel, TextureMap};
+use super::precision::{Filtered, ToleratedSample, tolerance_of_average};
 use super::{primitive::MapValue, rules::Rules};
 
 /// Samples `map` at `t` and `depth` with the method that the entry specifies for magnified or minified maps.
@@ -24,31 +26,45 @@ pub fn fetch(
     magnify: bool,
     rules: &Rules,
 ) -> MapValue {
+    fetch_with_tolerance(entry, map, t, depth, magnify, rules).value
+}
+
+/// Samples `map` like [`fetch`], and returns how far a correct sample may be from the exact one (ruling `filter-precision`).
+#[must_use]
+pub fn fetch_with_tolerance(
+    entry: &Entry,
+    map: &TextureMap,
+    t: Vector,
+    depth: f64,
+    magnify: bool,
+    rules: &Rules,
+) -> ToleratedSample {
+    let method = (rules.method)(entry, magnify);
     if is_clamped(entry, t, map.dimensions(), rules) {
-        return (rules.clamp)(entry);
+        return ToleratedSample::exact((rules.outside)(entry, map, t, method, rules));
     }
     let top = map.levels().len() - 1;
     let level =
-        |number: usize, average: fn(&Entry, &TextureMap, &Level, Vector, &Rules) -> Texel| {
+        |number: usize, average: fn(&Entry, &TextureMap, &Level, Vector, &Rules) -> Filtered| {
             average(entry, map, &map.levels()[number.min(top)], t, rules)
         };
     let between = |average| {
         let (lower, upper, weight) = (rules.levels)(depth, top);
-        let parts = [
-            (level(lower, average), 1.0 - weight),
-            (level(upper, average), weight),
-        ];
-        Texel::sum(map.kind(), parts.into_iter())
+        Filtered::interpolate(&level(lower, average), &level(upper, average), weight)
     };
     let closest = (rules.closest_level)(depth, top);
-    MapValue::Texel(match (rules.method)(entry, magnify) {
+    let filtered = match method {
         SampleMethod::SingleBase => level(0, closest_texel),
         SampleMethod::WeightedBase => level(0, weighted_average),
         SampleMethod::SingleInMipmap => level(closest, closest_texel),
         SampleMethod::WeightedInMipmap => level(closest, weighted_average),
         SampleMethod::SingleBetweenMipmaps => between(closest_texel),
         SampleMethod::WeightedBetweenMipmaps => between(weighted_average),
-    })
+    };
+    ToleratedSample {
+        value: MapValue::Texel(filtered.texel),
+        tolerance: filtered.tolerance,
+    }
 }
 
 /// Returns the sampling method for magnification or minification (R-SMP-02, R-SMP-03).
@@ -65,12 +81,12 @@ fn closest_texel(
     level: &Level,
     t: Vector,
     rules: &Rules,
-) -> Texel {
+) -> Filtered {
     let mut at = [0; 3];
     for d in 0..map.dimensions() {
         at[d] = (rules.closest)((rules.condition)(entry, d), t[d], level.size[d], rules);
     }
-    level.texels[(rules.offset)(level.size, at)]
+    Filtered::exact(level.texels[(rules.offset)(level.size, at)])
 }
 
 /// Returns the weighted average of the closest 2ⁿ texels of a level.
@@ -80,18 +96,29 @@ fn weighted_average(
     level: &Level,
     t: Vector,
     rules: &Rules,
-) -> Texel {
+) -> Filtered {
     let mut neighbors = [[(0, 1.0), (0, 0.0)]; 3];
     for d in 0..map.dimensions() {
         neighbors[d] = (rules.neighbors)((rules.condition)(entry, d), t[d], level.size[d], rules);
     }
-    let corners = (0..1_usize << map.dimensions()).map(|corner| {
-        let selected = [0, 1, 2].map(|d| neighbors[d][corner >> d & 1]);
-        let at = selected.map(|(at, _)| at);
-        let weight = selected.iter().map(|(_, weight)| weight).product();
-        (level.texels[(rules.offset)(level.size, at)], weight)
-    });
-    Texel::sum(map.kind(), corners)
+    let corners: Vec<Texel> = (0..1_usize << map.dimensions())
+        .map(|corner| {
+            let at = [0, 1, 2].map(|d| neighbors[d][corner >> d & 1].0);
+            level.texels[(rules.offset)(level.size, at)]
+        })
+        .collect();
+    let weights = (rules.corner_weights)(&neighbors.map(|pair| pair.map(|(_, weight)| weight)));
+    let upper = neighbors.map(|[_, (_, weight)]| weight);
+    Filtered {
+        texel: Texel::sum(map.kind(), corners.iter().copied().zip(weights)),
+        tolerance: tolerance_of_average(&corners, &upper[..map.dimensions()]),
+    }
+}
+
+/// Returns the weight of each corner: the product of its weights in the three directions (ruling `weights`). Bit d of the index
+/// of a corner is set if the corner is the upper neighbor in direction d.
+pub fn products_of_weights(weights: &[[f64; 2]; 3]) -> [f64; 8] {
+    std::array::from_fn(|corner| (0..3).map(|d| weights[d][corner >> d & 1]).product())
 }
 
 /// Returns ⌊t·N⌋, the index of the cell that contains `t` (rulings `texel-grid`, `texel-tie`).

@@ -2,8 +2,8 @@
 
 use super::rules::Rules;
 use super::{
-    boundary, checkerboard, compose, entry, from_ptm, map, orient, parameterize, sample, select,
-    stage, table,
+    boundary, checkerboard, compose, depth, entry, from_ptm, map, orient, parameterize, sample,
+    select, stage, table,
 };
 
 impl Rules {
@@ -46,15 +46,18 @@ impl Rules {
         blend_env_color: compose::blend_env_color,
         decal: compose::decal,
         decal_background: compose::decal_background,
+        is_magnified: depth::span_at_most_one_texel,
         method: sample::method,
         closest: sample::cell_index,
         neighbors: sample::cells_around,
+        corner_weights: sample::products_of_weights,
         offset: map::texel_offset,
         closest_level: sample::closest_level,
         levels: sample::levels_around,
         condition: boundary::condition,
         is_clamped: boundary::is_clamped_in_any_direction,
         is_outside: boundary::is_outside,
+        outside: boundary::sample_outside,
         clamp: boundary::apply_clamp_method,
         clamp_color: compose::compose_texel,
         wrap: boundary::wrap,

@@ -7,7 +7,7 @@ use crate::texture::map::texel_color;
 use crate::texture::parameterize::{
     azimuth_proportional_to_x, full_turn_fraction, half_turn_fraction, height_by_y, height_from_top,
 };
-use crate::texture::{Rules, Shade, sample};
+use crate::texture::{Rules, Shade, depth, sample};
 
 const TEXEL_GRID: Readings<Rules> = &[
     ("cells", |_| {}),
@@ -55,6 +55,12 @@ const WC_HEIGHT: Readings<Rules> = &[
     ("linear", |r| r.wc_height = height_by_y),
     ("downward", |r| r.wc_height = height_from_top),
 ];
+const BIAS_AND_MODE: Readings<Rules> = &[
+    ("span", |_| {}),
+    ("biased depth", |r| {
+        r.is_magnified = depth::biased_depth_at_most_zero;
+    }),
+];
 const PTM_TEXELS: Readings<Rules> = &[
     ("rounded", |_| {}),
     ("kept", |r| r.to_eight_bits = |value| value),
@@ -69,6 +75,7 @@ pub const CHOICES: Choices<Rules> = Choices(&[
     Choice::new("vrc-height", VRC_HEIGHT),
     Choice::new("wc-azimuth", WC_AZIMUTH),
     Choice::new("wc-height", WC_HEIGHT),
+    Choice::new("bias-and-mode", BIAS_AND_MODE),
     Choice::new("ptm-texels", PTM_TEXELS),
 ]);
 
@@ -85,6 +92,7 @@ pub fn find(reading: &str) -> Option<fn(&mut Rules)> {
         "cosine-azimuth" => VRC_AZIMUTH[2].1,
         "rear-half-mirrored" => VRC_AZIMUTH[3].1,
         "clockwise" => WC_AZIMUTH[1].1,
+        "biased-depth" => BIAS_AND_MODE[1].1,
         "float-texels" => PTM_TEXELS[1].1,
         "t1-linear-in-height" => |r| {
             r.vrc_height = height_by_y;

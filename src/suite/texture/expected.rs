@@ -6,7 +6,8 @@ use crate::protocol::frame::Answer;
 use crate::suite::dialect::{Axis, Dialect};
 use crate::suite::texture::cases::{Basis, TextureCase};
 use crate::suite::texture::choices::CHOICES;
-use crate::suite::texture::{compare::difference, question::Refusal};
+use crate::suite::texture::compare::ExpectedAnswer;
+use crate::suite::texture::question::{Refusal, ToleratedAnswer};
 use crate::texture::Rules;
 
 impl TextureCase {
@@ -26,27 +27,48 @@ impl TextureCase {
     }
 
     /// Returns the expected answer. It is stated in the case for the reference's dialect, and computed for any other dialect.
+    /// Tolerances are always computed.
     #[must_use]
-    pub fn expected(&self, dialect: &Dialect) -> Value {
-        if *dialect == CHOICES.reference() {
-            return self.expect.clone();
-        }
+    pub fn expected(&self, dialect: &Dialect) -> ExpectedAnswer {
         let rules = CHOICES.apply(dialect, Rules::SPEC);
-        match self.answer(&rules) {
-            Answer::Decoded(value) => value,
-            _ => self.expect.clone(),
+        let computed = self.expected_under(&rules);
+        match computed {
+            Some(computed) if *dialect == CHOICES.reference() => ExpectedAnswer {
+                answer: self.expect.clone(),
+                ..computed
+            },
+            Some(computed) => computed,
+            None => ExpectedAnswer {
+                answer: self.expect.clone(),
+                filter_tolerance: Value::Null,
+                arithmetic_tolerance: self.tolerance,
+            },
         }
+    }
+
+    /// Returns the answer that is computed under `rules`, with its tolerances, or `None` if the question is refused.
+    #[must_use]
+    pub fn expected_under(&self, rules: &Rules) -> Option<ExpectedAnswer> {
+        let question = self.read().ok()?;
+        let ToleratedAnswer { answer, tolerance } = question.answer_with_tolerance(rules).ok()?;
+        Some(ExpectedAnswer {
+            answer,
+            filter_tolerance: tolerance,
+            arithmetic_tolerance: self.tolerance,
+        })
     }
 
     /// Returns the choices whose readings change the expected answer.
     #[must_use]
     pub fn relevant_axes(&self) -> &[Axis] {
         self.relevant_axes.get_or_init(|| {
+            let reference = self.expected(&CHOICES.reference());
             let changes = |&axis: &Axis| {
                 (1..CHOICES[axis].readings.len()).any(|reading| {
                     let mut dialect = CHOICES.reference();
                     dialect.0[axis] = reading;
-                    difference(&self.expect, &self.expected(&dialect), self.tolerance).is_some()
+                    let other = self.expected(&dialect).answer;
+                    reference.difference(&other).is_some()
                 })
             };
             // Answers that are left to the implementation are right in every dialect.

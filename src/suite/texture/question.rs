@@ -15,7 +15,7 @@ use crate::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use crate::texture::{
     self, Boundary, Color, Correction, Entry, Footprint, Frequency, Interpolation, Level,
     LitPrimitive, MapValue, Matrix, NoValue, Point, Rounding, Rules, Selection, Shade, SplinePoint,
-    Surface, Texel, TexelKind, TextureMap, Vector, VertexData,
+    Surface, Texel, TexelKind, TextureMap, Tolerance, ToleratedSample, Vector, VertexData,
 };
 
 /// A question for a texture stage.
@@ -80,7 +80,34 @@ impl Question {
     /// # Errors
     /// Returns an error if the question is malformed or not supported.
     pub fn answer(&self, rules: &Rules) -> Result<Value, Refusal> {
-        self.0.answer(rules).or_else(|Unanswered(result)| result)
+        let answer = self.answer_with_tolerance(rules)?;
+        Ok(answer.answer)
+    }
+
+    /// Computes the answer under `rules`, and how far the numbers of another correct answer may be from it.
+    ///
+    /// # Errors
+    /// Returns an error if the question is malformed or not supported.
+    pub fn answer_with_tolerance(&self, rules: &Rules) -> Result<ToleratedAnswer, Refusal> {
+        let answer = self.0.answer(rules);
+        answer.or_else(|Unanswered(result)| result.map(ToleratedAnswer::exact))
+    }
+}
+
+/// Answer to a question with its tolerance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ToleratedAnswer {
+    /// Exact answer, a JSON object.
+    pub answer: Value,
+    /// Allowed deviation of each number (ruling `filter-precision`), in addition to the tolerance for arithmetic. It has the shape
+    /// of the answer; fields without a tolerance are missing.
+    pub tolerance: Value,
+}
+
+impl ToleratedAnswer {
+    fn exact(answer: Value) -> ToleratedAnswer {
+        let tolerance = json!({});
+        ToleratedAnswer { answer, tolerance }
     }
 }
 
@@ -205,8 +232,8 @@ enum TextureStep {
 }
 
 impl TextureStep {
-    fn answer(&self, rules: &Rules) -> Result<Value, Unanswered> {
-        Ok(match self {
+    fn answer(&self, rules: &Rules) -> Result<ToleratedAnswer, Unanswered> {
+        Ok(ToleratedAnswer::exact(match self {
             TextureStep::Defaults {} => entry_json(&(rules.fallback_values)()),
             TextureStep::Select(surface) => match texture::select(surface, rules) {
                 Selection::Untextured => json!({ "entries": "untextured" }),
@@ -253,7 +280,7 @@ impl TextureStep {
                 let footprint = Footprint { dt_dx, dt_dy };
                 let hints = padded(freq, 1.0);
                 let depth = texture::sample_depth(size, &footprint, *bias, hints);
-                let is_magnified = texture::is_magnified(size, &footprint);
+                let is_magnified = texture::is_magnified(size, &footprint, *bias, rules);
                 let mode = if is_magnified { "mag" } else { "min" };
                 json!({ "depth": number(depth), "mode": mode })
             }
@@ -265,11 +292,11 @@ impl TextureStep {
                 json!({ "index": t.iter().map(index).collect::<Vec<usize>>() })
             }
             _ => return self.color(rules),
-        })
+        }))
     }
 
     /// Computes the result of a step that returns a texel or a color.
-    fn color(&self, rules: &Rules) -> Result<Value, Unanswered> {
+    fn color(&self, rules: &Rules) -> Result<ToleratedAnswer, Unanswered> {
         Ok(match self {
             TextureStep::Sample {
                 map,
@@ -279,11 +306,10 @@ impl TextureStep {
                 entry,
             } => {
                 let (map, entry) = (map.map(rules)?, entry.entry(rules));
-                let fetched = texture::fetch(&entry, &map, *t, *depth, *is_magnified, rules);
-                match fetched.components() {
-                    Some(components) => json!({ "texel": numbers(components) }),
-                    None => json!({ "texel": "discontinue" }),
-                }
+                let (depth, is_magnified) = (*depth, *is_magnified);
+                let sample =
+                    texture::fetch_with_tolerance(&entry, &map, *t, depth, is_magnified, rules);
+                texel_json(&sample)
             }
             &TextureStep::Compose {
                 ref entry,
@@ -294,7 +320,8 @@ impl TextureStep {
             } => {
                 let (fetched, entry) = (texel.fetched()?, entry.entry(rules));
                 let input = Shade { color, alpha };
-                shade_json(texture::compose(&entry, &fetched, input, cw, rules))
+                let shade = texture::compose(&entry, &fetched, input, cw, rules);
+                ToleratedAnswer::exact(shade_json(shade))
             }
             TextureStep::Stage {
                 surface,
@@ -303,10 +330,12 @@ impl TextureStep {
                 entries,
             } => {
                 let mut maps = Vec::new();
+                let mut tolerances = Vec::new();
                 for given in entries {
                     let entry = given.entry.entry(rules);
-                    let fetched = given.fetched(&entry, rules)?;
-                    maps.push((entry, fetched));
+                    let sample = given.sample(&entry, rules)?;
+                    maps.push((entry, sample.value));
+                    tolerances.push(sample.tolerance);
                 }
                 let interpolation = interp.unwrap_or(Interpolation::None);
                 let frequency = frequency.unwrap_or(Frequency::InterpDep);
@@ -316,7 +345,13 @@ impl TextureStep {
                     white: surface.cw,
                     specular: surface.cs,
                 };
-                shade_json(texture::stage(&maps, &lit, interpolation, frequency, rules))
+                let shade = |maps: &[(Entry, MapValue)]| {
+                    texture::stage(maps, &lit, interpolation, frequency, rules)
+                };
+                ToleratedAnswer {
+                    answer: shade_json(shade(&maps)),
+                    tolerance: shade_json(tolerance_of_shade(&maps, &tolerances, shade)),
+                }
             }
             _ => unreachable!("the other steps have been answered"),
         })
@@ -634,9 +669,10 @@ struct StageEntry {
 }
 
 impl StageEntry {
-    fn fetched(&self, entry: &Entry, rules: &Rules) -> Result<MapValue, Unanswered> {
+    /// Returns the given texel, or samples the map.
+    fn sample(&self, entry: &Entry, rules: &Rules) -> Result<ToleratedSample, Unanswered> {
         if let Some(texel) = &self.texel {
-            return Ok(texel.fetched()?);
+            return Ok(ToleratedSample::exact(texel.fetched()?));
         }
         let map = match &self.map {
             Some(map) => map.map(rules)?,
@@ -651,8 +687,65 @@ impl StageEntry {
             (None, None) => return Err(malformed("an entry needs texel, t or point").into()),
         };
         let (depth, is_magnified) = (self.depth, self.is_magnified);
-        Ok(texture::fetch(entry, &map, t, depth, is_magnified, rules))
+        Ok(texture::fetch_with_tolerance(
+            entry,
+            &map,
+            t,
+            depth,
+            is_magnified,
+            rules,
+        ))
     }
+}
+
+/// Maximum number of texel components of a stage whose tolerance is propagated.
+const MAX_INEXACT_COMPONENTS: usize = 16;
+
+/// Propagates the tolerances of samples to the color of a primitive.
+///
+/// Color and alpha are affine in each component of each sample, so the largest deviations occur where every component deviates
+/// by its full tolerance. Returns the largest deviations, as a color. Components after the first 16 that have a tolerance are
+/// treated as exact.
+fn tolerance_of_shade(
+    maps: &[(Entry, MapValue)],
+    tolerances: &[Tolerance],
+    shade: impl Fn(&[(Entry, MapValue)]) -> Shade,
+) -> Shade {
+    let exact = shade(maps);
+    let mut largest = Shade {
+        color: [0.0; 3],
+        alpha: 0.0,
+    };
+    let inexact: Vec<(usize, usize)> = (0..maps.len())
+        .flat_map(|map| (0..4).map(move |component| (map, component)))
+        .filter(|&(map, component)| tolerances[map][component] > 0.0)
+        .take(MAX_INEXACT_COMPONENTS)
+        .collect();
+    if inexact.is_empty() {
+        return largest;
+    }
+    for signs in 0..1_u32 << inexact.len() {
+        let mut changed = maps.to_vec();
+        for (i, &(map, component)) in inexact.iter().enumerate() {
+            let sign = if signs >> i & 1 == 1 { 1.0 } else { -1.0 };
+            if let MapValue::Texel(texel) = &mut changed[map].1 {
+                *texel = texel.map_components(|c, value| {
+                    if c == component {
+                        value + sign * tolerances[map][component]
+                    } else {
+                        value
+                    }
+                });
+            }
+        }
+        let changed = shade(&changed);
+        largest.alpha = largest.alpha.max((changed.alpha - exact.alpha).abs());
+        for c in 0..3 {
+            let deviation = (changed.color[c] - exact.color[c]).abs();
+            largest.color[c] = largest.color[c].max(deviation);
+        }
+    }
+    largest
 }
 
 fn padded(values: &[f64], with: f64) -> Vector {
@@ -661,6 +754,16 @@ fn padded(values: &[f64], with: f64) -> Vector {
 
 fn shade_json(shade: Shade) -> Value {
     json!({ "color": numbers(&shade.color), "alpha": number(shade.alpha) })
+}
+
+fn texel_json(sample: &ToleratedSample) -> ToleratedAnswer {
+    match sample.value.components() {
+        Some(components) => ToleratedAnswer {
+            answer: json!({ "texel": numbers(components) }),
+            tolerance: json!({ "texel": numbers(&sample.tolerance[..components.len()]) }),
+        },
+        None => ToleratedAnswer::exact(json!({ "texel": "discontinue" })),
+    }
 }
 
 fn numbers(values: &[f64]) -> Value {

@@ -9,7 +9,7 @@ use crate::suite::cases::{Expect, TableSpelling};
 use crate::suite::dialect::{Choices, Dialect, RightDialects};
 use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::suite::texture::cases::{Basis, TextureCase};
-use crate::suite::texture::{choices::CHOICES, compare::difference};
+use crate::suite::texture::choices::CHOICES;
 use crate::texture::Rules;
 
 /// Maximum size of an answer in bytes. Answers are small JSON objects.
@@ -109,7 +109,7 @@ impl TestCase for TextureCase {
     }
 
     fn compare(&self, _: &Vec<u8>, _: &TextureView, answer: &Value) -> Comparison<TextureCase> {
-        let difference = difference(&self.expect, answer, self.tolerance);
+        let difference = self.expected(&CHOICES.reference()).difference(answer);
         let axes = self.relevant_axes();
         let right = match axes.is_empty() {
             // Any error message is accepted.
@@ -136,7 +136,7 @@ impl TestCase for TextureCase {
         answer: &Value,
         dialect: &Dialect,
     ) -> Option<String> {
-        difference(&self.expected(dialect), answer, self.tolerance)
+        self.expected(dialect).difference(answer)
     }
 
     fn expected_output(&self, _: &TextureView) -> Option<Value> {

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use crate::suite::texture::{compare::difference, fixtures, question::Refusal};
+use crate::suite::texture::{compare::ExpectedAnswer, fixtures, question::Refusal};
 use crate::suite::{texture::cases::TextureCase, texture::choices};
 use crate::texture::Rules;
 
@@ -59,9 +59,13 @@ fn with_readings(rules: &Rules, readings: &[&str]) -> Option<Rules> {
 }
 
 fn compare(case: &TextureCase, expect: &Value, rules: &Rules) -> (Option<bool>, String) {
-    let tolerance = Some(case.tolerance.unwrap_or(HAND_TOLERANCE));
+    let expected = ExpectedAnswer {
+        answer: expect.clone(),
+        filter_tolerance: Value::Null,
+        arithmetic_tolerance: Some(case.tolerance.unwrap_or(HAND_TOLERANCE)),
+    };
     match case.read().and_then(|question| question.answer(rules)) {
-        Ok(answer) => match difference(expect, &answer, tolerance) {
+        Ok(answer) => match expected.difference(&answer) {
             None => (Some(true), format_checked_fields(expect, &answer)),
             Some(difference) => (Some(false), difference),
         },

@@ -177,6 +177,19 @@ fn mistakes_of_seven_readers_are_named_without_false_statements() {
     assert!(missed.is_empty(), "{}", missed.join("\n"));
 }
 
+/// The renderer lights PTM files in a fragment shader, with coefficients in RGBA8 textures and an RGBA8 framebuffer.
+#[test]
+fn renderer_on_a_gpu_passes() {
+    let suite = suite().with_prepared_files();
+    let run = replay(&suite, "h200-opengl-ptm-rgba8-framebuffer");
+    let failing = run.judgment.with_outcome(Outcome::Fail);
+    let failing: Vec<&str> = failing.map(|i| suite.cases[i].id.as_str()).collect();
+    assert!(failing.is_empty(), "{failing:?}");
+    assert_eq!(run.exit_status(), 0);
+    let passing = run.judgment.with_outcome(Outcome::Pass).count();
+    assert!(passing > 1700, "{passing}");
+}
+
 /// Returns the decisions about a recorded run: the cases of each outcome, and the cases of each cause, which is identified by its
 /// name, or by its category and clause.
 fn decisions(

@@ -1,4 +1,7 @@
-//! The compressed responses of seven public readers to this suite.
+//! The compressed responses of programs to this suite: seven public readers of PTM files, and three texture stages and a renderer
+//! on an NVIDIA H200 (driver 580.159.04).
+//!
+//! The recording of the renderer lacks four images of 200 kB each, for their size. They were correct.
 
 use std::collections::HashMap;
 use std::fs::File;
@@ -9,6 +12,7 @@ use flate2::read::GzDecoder;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::protocol::frame::Frame;
 use ptm_conform::report::shards::RecordedAnswer;
+use serde::de::DeserializeOwned;
 
 pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/recordings")
@@ -19,19 +23,27 @@ pub fn digest(file: &[u8]) -> String {
     sha256(file)[..16].to_owned()
 }
 
-/// Returns the responses of a reader by file and view, including those to files that are no longer in the suite.
-pub fn recorded_answers(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>> {
-    let path = folder().join(format!("{reader}.answers.gz"));
+/// Returns the responses of a program in the order in which they were recorded, without repetitions in a new process.
+pub fn recording<T: DeserializeOwned>(program: &str) -> Vec<RecordedAnswer<T>> {
+    let path = folder().join(format!("{program}.answers.gz"));
     let mut text = String::new();
     let file = File::open(path).expect("the recording exists");
     GzDecoder::new(file)
         .read_to_string(&mut text)
         .expect("the recording is text");
+    // The last line describes the run.
     let answers = text
         .lines()
         .filter_map(|line| serde_json::from_str(line).ok());
     answers
-        .filter(|answer: &RecordedAnswer<Frame>| !answer.new_process)
+        .filter(|answer: &RecordedAnswer<T>| !answer.new_process)
+        .collect()
+}
+
+/// Returns the responses of a reader by file and view, including those to files that are no longer in the suite.
+pub fn recorded_answers(reader: &str) -> HashMap<(String, String), RecordedAnswer<Frame>> {
+    let answers = recording(reader).into_iter();
+    answers
         .map(|answer| ((answer.file.clone(), answer.view.clone()), answer))
         .collect()
 }

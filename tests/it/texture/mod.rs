@@ -2,4 +2,5 @@
 
 mod decoders;
 mod properties;
+mod recordings;
 mod suite;

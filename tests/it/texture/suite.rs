@@ -1,6 +1,6 @@
 //! Tests of the texture suite: the cases are correct, and the suite catches and distinguishes mistakes.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use ptm_conform::diagnose::{Cause, texture::diagnose};
 use ptm_conform::misreadings::texture as misreadings;
@@ -14,7 +14,7 @@ use ptm_conform::suite::clauses::{ClauseStatus, Ruling, RulingKind};
 use ptm_conform::suite::test_case::TestCase;
 use ptm_conform::suite::texture::cases::{self, Basis, TextureCase};
 use ptm_conform::suite::texture::question::{OPERATIONS, Question, Refusal};
-use ptm_conform::suite::texture::{choices::CHOICES, compare::difference};
+use ptm_conform::suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
 use ptm_conform::suite::texture::{test_case::TextureView, verify::verify};
 use ptm_conform::texture::{Boundary, ClampMethod, RenderingControl, Rules};
 use serde_json::Value;
@@ -86,6 +86,170 @@ fn every_misreading_is_caught_by_a_case_about_it_and_differs_from_every_other() 
     assert!(alike.is_empty(), "equal answers to every case: {alike:?}");
 }
 
+/// Returns the tolerance of the number that separates another answer best, as a multiple of half the distance between the answers:
+/// 0 if the answers differ in a word or in their shape, and infinity if they are equal.
+fn tolerance_ratio(expected: &ExpectedAnswer, other: &Value) -> f64 {
+    let fields = expected.answer.as_object().expect("an object");
+    let ratios = fields.iter().map(|(name, value)| {
+        let tolerance = &expected.filter_tolerance[name];
+        match other.get(name) {
+            Some(other) => ratio_of_values(name, value, other, tolerance),
+            None => 0.0,
+        }
+    });
+    ratios.fold(f64::INFINITY, f64::min)
+}
+
+fn ratio_of_values(name: &str, a: &Value, b: &Value, filter: &Value) -> f64 {
+    match (a, b) {
+        (Value::Number(a), Value::Number(b)) => {
+            let (a, b) = (a.as_f64().expect("a number"), b.as_f64().expect("a number"));
+            let mut distance = (a - b).abs();
+            if name == "color" {
+                // Both colors may be clamped.
+                distance = distance.min((a.clamp(0.0, 1.0) - b.clamp(0.0, 1.0)).abs());
+            }
+            let arithmetic = 1e-5 * a.abs().max(b.abs()) + 1e-6;
+            let tolerance = arithmetic + filter.as_f64().unwrap_or(0.0);
+            if distance == 0.0 {
+                f64::INFINITY
+            } else {
+                tolerance / (distance / 2.0)
+            }
+        }
+        (Value::Array(a), Value::Array(b)) => {
+            // A luminance stands for three equal components.
+            let is_gray = name == "texel" && a.len() == 3 && b.len() == 1;
+            if a.len() != b.len() && !is_gray {
+                return 0.0;
+            }
+            let ratios = a.iter().enumerate().map(|(i, a)| {
+                let b = if is_gray { &b[0] } else { &b[i] };
+                ratio_of_values(name, a, b, &filter[i])
+            });
+            ratios.fold(f64::INFINITY, f64::min)
+        }
+        (a, b) if a == b => f64::INFINITY,
+        _ => 0.0,
+    }
+}
+
+/// For every judged case, compares its tolerance with half the distance to each other reading and to each misreading that fails
+/// the case without the tolerance of filters. Prints the largest ratio of each family of cases.
+#[test]
+fn tolerances_are_below_half_the_distance_to_other_readings_and_misreadings() {
+    let suite = suite();
+    let mut largest: BTreeMap<String, (f64, String)> = BTreeMap::new();
+    let mut too_large = Vec::new();
+    let (mut readings, mut caught) = (0, 0);
+    for case in suite.cases.iter().filter(|case| case.basis != Basis::Impl) {
+        let mut record = |what: &str, ratio: f64| {
+            let label = format!("{} against {what}", case.id);
+            if ratio >= 1.0 {
+                too_large.push(format!("{label}: {ratio}"));
+            }
+            let family = format!("{} ({})", &case.id[..3], case.op);
+            let entry = largest.entry(family).or_default();
+            if ratio > entry.0 {
+                *entry = (ratio, label);
+            }
+        };
+        let reference = case.expected(&CHOICES.reference());
+        for other in &case.alternatives {
+            readings += 1;
+            record(&other.reading, tolerance_ratio(&reference, &other.expect));
+        }
+        let mut dialects = vec![CHOICES.reference()];
+        for &axis in case.relevant_axes() {
+            for (reading, (name, _)) in CHOICES[axis].readings.iter().enumerate().skip(1) {
+                let mut dialect = CHOICES.reference();
+                dialect.0[axis] = reading;
+                let other = case.expected(&dialect);
+                // Some readings of a choice agree on a case.
+                if exact(&reference).difference(&other.answer).is_some() {
+                    record(name, tolerance_ratio(&reference, &other.answer));
+                    record(name, tolerance_ratio(&other, &reference.answer));
+                    dialects.push(dialect);
+                }
+            }
+        }
+        for dialect in dialects {
+            let expected = case.expected(&dialect);
+            for misreading in misreadings::all() {
+                let rules = misreading.apply_to(CHOICES.apply(&dialect, Rules::SPEC));
+                if let Some(misread) = case.expected_under(&rules)
+                    && exact(&expected).difference(&misread.answer).is_some()
+                {
+                    caught += 1;
+                    let slug = misreading.slug;
+                    record(slug, tolerance_ratio(&expected, &misread.answer));
+                    assert!(expected.difference(&misread.answer).is_some(), "{slug}");
+                }
+            }
+        }
+    }
+    for (family, (ratio, label)) in &largest {
+        println!("{family}: {ratio:.4} ({label})");
+    }
+    assert!(readings > 30 && caught > 1000, "{readings} {caught}");
+    assert!(too_large.is_empty(), "{too_large:#?}");
+}
+
+/// Returns an expected answer without the tolerance of filters.
+fn exact(expected: &ExpectedAnswer) -> ExpectedAnswer {
+    ExpectedAnswer {
+        filter_tolerance: Value::Null,
+        ..expected.clone()
+    }
+}
+
+#[test]
+fn depths_of_any_formula_pass() {
+    let suite = suite();
+    let run = run(&suite, |case| {
+        let mut answer = case.answer(&Rules::SPEC);
+        if let Answer::Decoded(value) = &mut answer
+            && let Some(depth) = value.get("depth").and_then(Value::as_f64)
+        {
+            value["depth"] = depth.max(0.0).into();
+        }
+        answer
+    });
+    let failed = cases_with_outcome(&suite, &run, Outcome::Fail);
+    assert!(failed.is_empty(), "{failed:?}");
+    // The mode is judged.
+    let wrong = run_with_mode(&suite, "min");
+    let failed = cases_with_outcome(&suite, &wrong, Outcome::Fail);
+    assert!(failed.contains(&"DEP-05".to_owned()), "{failed:?}");
+}
+
+/// Runs a stage that always returns the same mode.
+fn run_with_mode(suite: &Suite<TextureCase>, mode: &str) -> Run<TextureCase> {
+    run(suite, |case| match case.op.as_str() {
+        "depth" => Answer::Decoded(serde_json::json!({ "depth": 0, "mode": mode })),
+        _ => case.answer(&Rules::SPEC),
+    })
+}
+
+#[test]
+fn modes_must_follow_one_reading_of_the_bias() {
+    let suite = suite();
+    let axis = CHOICES.axes(&["bias-and-mode"])[0];
+    let mut dialect = CHOICES.reference();
+    dialect.0[axis] = 1;
+    let biased = CHOICES.apply(&dialect, Rules::SPEC);
+    let consistent = run(&suite, |case| case.answer(&biased));
+    assert_eq!(consistent.exit_status(), 0);
+    assert_eq!(consistent.judgment.dialect, dialect);
+    let mixed = run(&suite, |case| match case.id.as_str() {
+        "DEP-56" => case.answer(&biased),
+        _ => case.answer(&Rules::SPEC),
+    });
+    let failed = cases_with_outcome(&suite, &mixed, Outcome::Fail);
+    assert!(failed.iter().all(|id| id == "DEP-56" || id == "DEP-58"));
+    assert_eq!(failed.len(), 1);
+}
+
 #[test]
 fn every_misreading_is_diagnosed() {
     let suite = suite();
@@ -118,9 +282,9 @@ fn mixed_readings_fail() {
             assert!(failed.is_empty(), "{}: {name}: {failed:?}", choice.ruling);
             assert_eq!(pure.judgment.dialect, dialect, "{}: {name}", choice.ruling);
             let revealing = suite.cases.iter().filter(|case| {
-                let other = case.expected(&dialect);
-                case.relevant_axes().contains(&axis)
-                    && difference(&case.expect, &other, case.tolerance).is_some()
+                let other = case.expected(&dialect).answer;
+                let reference = case.expected(&CHOICES.reference());
+                case.relevant_axes().contains(&axis) && reference.difference(&other).is_some()
             });
             let revealing: Vec<&str> = revealing.map(|case| case.id.as_str()).collect();
             assert!(
