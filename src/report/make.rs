@@ -13,8 +13,8 @@ use crate::report::reported::Reportable;
 use crate::session::dialect::Certainty;
 use crate::session::observation::Response;
 use crate::session::{outcome::Outcome, remark::Remark, run::Run};
-use crate::suite::compare::LOSSY_TOLERANCE;
-use crate::suite::test_case::{Allowance, FlatBlocks, TestCase};
+use crate::suite::compare::{FlatBlocks, LOSSY_TOLERANCE};
+use crate::suite::test_case::{Allowance, TestCase};
 use crate::suite::{cases::Suite, name::SuiteName};
 
 impl Report {

@@ -11,7 +11,6 @@ use crate::formula::Edits;
 use crate::protocol::frame::{Frame, Light, View, ViewKind};
 use crate::ptm::{Limits, Size, channel_name};
 use crate::reading::Reading;
-use crate::suite::test_case::FlatBlocks;
 use crate::suite::values::{HandValues, Values};
 
 /// Expected samples of a frame.
@@ -27,6 +26,15 @@ pub struct Expected {
     pub values: Vec<f64>,
     /// For each value, the maximum difference between the results of correct inverse DCTs; empty if they all agree.
     pub slack: Vec<f64>,
+}
+
+/// The samples in flat blocks of intra-coded JPEG planes: blocks that have one value in the reference's image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct FlatBlocks {
+    /// Number of samples.
+    pub samples: u32,
+    /// Sum of the differences from the reference.
+    pub sum: i32,
 }
 
 /// Tolerance for a byte relative to the exact color: one for rounding, and 1/64 for arithmetic in `f32`.

@@ -9,10 +9,10 @@ use crate::ptm::Format;
 use crate::reading::Reading;
 use crate::suite::cases::{Built, Case, Expect, TableSpelling};
 use crate::suite::choices::{CHOICES, dialect_image, relevant_axes};
-use crate::suite::compare::{Difference, Expected};
+use crate::suite::compare::{Difference, Expected, FlatBlocks};
 use crate::suite::dialect::{Choices, Dialect, RightDialects};
 use crate::suite::features::Feature;
-use crate::suite::test_case::{Allowance, Comparison, FlatBlocks, TestCase};
+use crate::suite::test_case::{Allowance, Comparison, TestCase};
 use crate::suite::values::Values;
 
 impl TestCase for Case {

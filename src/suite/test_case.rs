@@ -10,6 +10,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 
 use crate::suite::cases::{Expect, Suite, TableSpelling};
+use crate::suite::compare::FlatBlocks;
 use crate::suite::dialect::{Choices, Dialect, RightDialects};
 
 /// A case of any suite.
@@ -138,15 +139,6 @@ pub struct Comparison<C: TestCase> {
     pub difference: Option<C::Difference>,
     /// Tolerance that was applied.
     pub allowance: Allowance,
-}
-
-/// The samples in flat blocks of intra-coded JPEG planes: blocks that have one value in the reference's image.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct FlatBlocks {
-    /// Number of samples.
-    pub samples: u32,
-    /// Sum of the differences from the reference.
-    pub sum: i32,
 }
 
 /// Reason why an output may be right although it differs from the expected one.

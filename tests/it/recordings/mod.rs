@@ -1,5 +1,5 @@
-//! The compressed responses of programs to this suite: seven public readers of PTM files, and three texture stages and a renderer
-//! on an NVIDIA H200 (driver 580.159.04).
+//! The compressed responses of programs to this suite: seven public readers of PTM files, three texture stages and a renderer on an
+//! NVIDIA H200 (driver 580.159.04), and a decoder with the crate jpeg-decoder 0.3.2.
 //!
 //! The recording of the renderer lacks four images of 200 kB each, for their size. They were correct.
 

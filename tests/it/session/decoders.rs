@@ -28,12 +28,9 @@ u-negated | return name, [float(word) for word in words] | return name, [-float(
   | lrgb-under-0-5-0 | lrgb-under-0-0-5
 color-over-256-truncated | [luminance * channel / 255 | [luminance * channel // 256 | luminance-is-divided-by-255-lrgb
   | luminance-of-254-rgb
-clamp-before-color | [luminance * channel / 255 | [min(255.0, max(0.0, luminance)) * channel / 255
-  | luminance-beyond-255-times-a-dark-color-lrgb | luminance-of-127-lrgb
 greedy-whitespace | self.at = end + 1 | self.at = len(self.file) - len(self.file[end:].lstrip())
   | payload-begins-with-0x20-lrgb | payload-of-digits-lrgb
 no-space-before-newline | * ?") | *") | space-behind-scale-lrgb | header-plain-lrgb
-double-space-dies | (?: +[!-~]+) | (?: [!-~]+) | gap-of-2-spaces-lrgb | header-plain-lrgb
 exponent-refused | (?:[eE][+-]?[0-9]+)?") | ") | scale-exponents-lrgb | scale-hp-viewer-lrgb
 size-two-lines-only | if len(words) == 1: | if len(words) <= 2: | size-on-one-line-lrgb | header-plain-lrgb
 scale-bias-two-lines-only | if len(words) == 6: | if len(words) in (6, 12): | scale-and-bias-on-one-line-lrgb

@@ -6,4 +6,5 @@ mod interrupted;
 mod outputs;
 mod probe;
 mod readings;
+mod recorded_codec;
 mod verdicts;

@@ -251,7 +251,7 @@ fn settings_come_from_a_file_and_from_options() {
     here.copy_from_corpus("lum/first-lum.ptm");
     here.write(
         "lint.yaml",
-        "allow: [PTM-W303]\nseverity: { PTM-W304: error }\n",
+        "allow: [PTM-W303, PTM-W313]\nseverity: { PTM-W304: error }\n",
     );
     let row = &lint_csv(&here, "--config lint.yaml first-lum.ptm")[1];
     assert_eq!((&row[6][..], &row[9][..]), ("1", "PTM-W304"));
@@ -264,7 +264,7 @@ fn settings_come_from_a_file_and_from_options() {
     let printed = output.expect("the program starts").stdout;
     let printed: Value = serde_json::from_slice(&printed).expect("JSON");
     assert_eq!(printed[0]["findings"].as_array().map(Vec::len), Some(1));
-    assert_eq!(printed[0]["warnings"], 2);
+    assert_eq!(printed[0]["warnings"], 3);
 }
 
 #[test]
@@ -281,7 +281,7 @@ fn sarif_lists_each_finding_with_rule_and_location() {
     let run = &log["runs"][0];
     let rules = run["tool"]["driver"]["rules"].as_array().expect("rules");
     let results = run["results"].as_array().expect("results");
-    assert_eq!(results.len(), 5);
+    assert_eq!(results.len(), 6);
     let place = |result: &Value| result["locations"][0]["physicalLocation"].clone();
     let uri = |result: &Value| {
         let uri = place(result)["artifactLocation"]["uri"].clone();

@@ -126,7 +126,7 @@ fn commands_have_the_expected_status_and_output() {
     here.assert_lines(
         "
 1 | lint --deny-warnings first-lum.ptm |
-0 | lint --deny-warnings --allow PTM-W303 --allow PTM-W304 --allow PTM-W305 first-lum.ptm |
+0 | lint --deny-warnings --allow PTM-W303 --allow PTM-W304 --allow PTM-W313 first-lum.ptm |
 2 | lint --allow PTM-E999 first-lrgb.ptm |
 2 | lint |
 2 | render first-lrgb.ptm -o x.gif | .webp or .jpg
