@@ -50,7 +50,7 @@ impl Calls<'_> {
 
     fn call_with_template(&self, template: Option<Template>, view: &View, file: &[u8]) -> Reply {
         // All output is examined, so the limit leaves room for an f64 for each byte of the file, and more.
-        let request = Request::new("probe", view, file, file.len().max(1 << 12) * 18);
+        let request = Request::alone("probe", view, file, file.len().max(1 << 12) * 18);
         let other = template.map(|template| self.decoder.with_command_line(template));
         (other.as_ref().unwrap_or(self.decoder)).ask(&request, self.scratch)
     }
@@ -80,8 +80,8 @@ impl Calls<'_> {
         let not_run = not_run.filter(|_| !self.command.is_empty());
         let not_run = not_run.map(|(name, why)| fault(name, &[("why", &why), ("last", &why)]));
         let known = repair(&reply.stdout, expected, view).or(not_run);
-        // A decoder that times out would time out with any command line.
-        if known.is_some() || matches!(reply.answer, Answer::Hung(_)) {
+        // A decoder that exceeds the time limit would exceed it with any command line.
+        if known.is_some() || matches!(reply.answer, Answer::TimedOut(_)) {
             return known;
         }
         self.find_other_call(file, expected, view)

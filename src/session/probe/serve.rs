@@ -7,10 +7,11 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, View};
+use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit, View};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
+use crate::runner::run::Attempt;
 use crate::runner::scratch::Workspace;
 
 use super::calls::Calls;
@@ -118,7 +119,7 @@ fn judge(line: &str, bytes: &[u8], expected: &Frame) -> Result<(), ProbeFault> {
 enum ServeResult {
     /// The first line of an answer, and the bytes that it announces.
     Answer(String, Vec<u8>),
-    /// No complete answer within the timeout.
+    /// No complete answer within the time limit.
     NoAnswer,
     /// The process ended; true for status 0.
     Ended(bool),
@@ -130,7 +131,7 @@ enum ServeResult {
 struct Dialog<'a> {
     call: Call,
     workspace: Workspace<'a>,
-    timeout: Duration,
+    time_limit: TimeLimit,
 }
 
 /// Maximum size of an answer in bytes.
@@ -144,7 +145,7 @@ impl<'a> Dialog<'a> {
         Some(Dialog {
             call: call.ok()?,
             workspace,
-            timeout: decoder.timeout,
+            time_limit: Attempt::Alone.time_limit(decoder.timeout),
         })
     }
 
@@ -176,7 +177,7 @@ impl<'a> Dialog<'a> {
     }
 
     fn wait(&mut self) -> ServeResult {
-        let deadline = Instant::now() + self.timeout.min(MAX_WAIT);
+        let deadline = Instant::now() + self.time_limit.0.min(MAX_WAIT);
         loop {
             let has_ended = self.call.has_ended();
             let read = self.call.read_available(MAX_ANSWER_BYTES);

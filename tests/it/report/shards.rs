@@ -88,7 +88,7 @@ fn run_part(suite: &Suite, part: Shard, decoder: &Decoder, tool: &Tool, folder: 
         circumstances: circumstances(),
         plan,
         remarks: remarks(),
-        ended_early: run.ended_early.map(str::to_owned),
+        ended_early: run.ended_early.clone(),
     };
     recorder.finish(&end).expect("the answers are written");
     report

@@ -5,4 +5,5 @@ mod examples;
 mod interrupted;
 mod outputs;
 mod probe;
+mod time_limits;
 mod verdicts;

@@ -155,7 +155,7 @@ fn missing_output_is_explained() {
     assert_eq!(status, 3, "{output}");
     assert_contains(
         &output,
-        "hang: no end within 1 s && open no window, show no prompt",
+        "exceeds the time limit of 3 s (`--timeout`) && open no window, show no prompt",
     );
 }
 
@@ -281,7 +281,7 @@ fn serve_mode_faults_are_explained() {
         return;
     };
     let copy = edit(&decoder, "answers.flush()", "pass");
-    let (status, output) = probe(&copy, "--timeout 8");
+    let (status, output) = probe(&copy, "--timeout 3");
     let says = "serve: the decoder answers only when its standard input ends && flush standard output after each answer";
     assert_eq!(status, 1, "{output}");
     assert_contains(&output, says);
