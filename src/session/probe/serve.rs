@@ -59,6 +59,8 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
     let mut dialog = Dialog::start(calls).ok_or(None)?;
     let whole = dialog.write_input("one file.ptm", &first.sample.file);
     let malformed = dialog.write_input("malformed.ptm", MALFORMED);
+    let limit = dialog.time_limit;
+    let too_slow = |file: &str| fault("serve-time-limit", &[("limit", &limit), ("file", &file)]);
     let after = |count: usize, name: &str| Err(Some((count, fault(name, &[]))));
     match dialog.ask(1, view, &whole) {
         ServeResult::Answer(line, bytes) => {
@@ -85,12 +87,14 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
             }
         }
         ServeResult::Ended(_) => return after(2, "serve-gone"),
-        ServeResult::NoAnswer | ServeResult::Fault(_) => return after(2, "serve-no-refusal"),
+        ServeResult::NoAnswer => return Err(Some((2, too_slow("a malformed file")))),
+        ServeResult::Fault(_) => return after(2, "serve-no-refusal"),
     }
     list.add_good("serve: a malformed file is refused");
     match dialog.ask(3, view, &whole) {
         ServeResult::Answer(line, bytes) if judge(&line, &bytes, right).is_ok() => {}
         ServeResult::Answer(..) => return after(3, "serve-state"),
+        ServeResult::NoAnswer => return Err(Some((3, too_slow("a third file")))),
         _ => return after(3, "serve-third"),
     }
     list.add_good("serve: a refused file does not affect the next response");
