@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use ptm_conform::runner::processes;
-use ptm_conform::runner::run::{Attempt, Decoder, Request};
+use ptm_conform::runner::run::{AttemptKind, Decoder, Request};
 use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::runner::serve::Servers;
 use ptm_conform::session::plan::{Repeat, RunPlan};
@@ -134,7 +134,7 @@ fn requests(suite: &Suite, decoder: &Decoder, scratch: &Scratch) -> Vec<(String,
         let path = scratch
             .work_directory()
             .join(format!("bare-{}.ptm", recorded.len()));
-        if request.attempt == Attempt::Usual {
+        if request.attempt == AttemptKind::Usual {
             fs::write(&path, request.file).expect("a file");
             recorded.push((request.view.to_string(), path));
         }

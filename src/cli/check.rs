@@ -111,12 +111,6 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     if args.output.html.is_some() && run.ended_early.is_none() {
         run.scene = lit_scene::request(&run.offer, &run.judgment.decoded, &ask);
     }
-    let serve_mode_failure = servers.as_ref().and_then(Servers::failure);
-    let serve_mode_failure = serve_mode_failure.map(|why| {
-        Remark::failure(format!(
-            "serve mode failed and was replaced by one process per request: {why}"
-        ))
-    });
     let notes = capabilities.remarks.iter();
     let notes = notes.map(|says| Remark::note(format!("capabilities: {says}")));
     // The answers may differ in a locale with a decimal comma, if the system has one.
@@ -126,7 +120,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         locale::difference(&suite, &run, decoder, &locale, scratch).map(Remark::failure)
     });
     let others = OtherRemarks {
-        before: serve_mode_failure.into_iter().collect(),
+        before: serve_mode_remarks(servers.as_ref()),
         after: notes.chain(locale).collect(),
     };
     let status = check.conclude(run, others)?;
@@ -229,6 +223,14 @@ fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> C
 
 /// Reason why a run with a faulty wrapper ends at first contact.
 const FIX_THE_WRAPPER: &str = "the run ended after the initial checks: fix the wrapper first, because its faults would make most cases fail";
+
+/// Returns a remark if the decoder never answered in serve mode.
+fn serve_mode_remarks(servers: Option<&Servers>) -> Vec<Remark> {
+    let failure = servers.and_then(Servers::failure);
+    let remark = failure
+        .map(|why| format!("serve mode failed and was replaced by one process per request: {why}"));
+    remark.map(Remark::failure).into_iter().collect()
+}
 
 /// Hint that serve mode is faster, for a run that does not use it.
 const SERVE_MODE_IS_FASTER: &str = "\nServe mode is faster: one process answers all requests. To print a decoder that supports it, run: ptm-conform example python";

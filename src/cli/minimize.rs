@@ -57,7 +57,7 @@ pub fn run(args: &MinimizeArgs) -> CommandResult {
     let scratch = &guarded.scratch;
     let ask = |file: &[u8]| {
         let max_frame_bytes = 72 * (file.len() + (1 << 20));
-        let request = Request::alone("case", &args.view, file, max_frame_bytes);
+        let request = Request::new("case", &args.view, file, max_frame_bytes);
         decoder.ask(&request, scratch).answer
     };
     let first = ask(&file);

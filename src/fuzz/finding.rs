@@ -11,7 +11,7 @@ use crate::misreadings::{self, Misreading};
 use crate::protocol::frame::{Answer, Frame, TimeLimit, View};
 use crate::reading::Reading;
 use crate::report::document::LikelyCause;
-use crate::runner::run::{Attempt, Request};
+use crate::runner::run::{AttemptKind, Request};
 use crate::session::asking::DecoderFn;
 use crate::session::observation::{Observation, Response};
 use crate::session::offer::Offer;
@@ -55,10 +55,10 @@ impl KnownDecoder<'_> {
     }
 
     pub(super) fn answer(&self, request: &DraftRequest) -> Answer {
-        self.answer_to(request, Attempt::Usual)
+        self.answer_to(request, AttemptKind::Usual)
     }
 
-    fn answer_to(&self, request: &DraftRequest, attempt: Attempt) -> Answer {
+    fn answer_to(&self, request: &DraftRequest, attempt: AttemptKind) -> Answer {
         let texels = (request.case.recipe()).map(|recipe| recipe.size.texels());
         let message = Request {
             name: &request.case.id,
@@ -243,7 +243,7 @@ impl Finding {
         });
         // The original file exceeded the higher time limit, too.
         let exceeds_higher_limit = |request: &DraftRequest| {
-            let answer = decoder.answer_to(request, Attempt::Alone);
+            let answer = decoder.answer_to(request, AttemptKind::Alone);
             matches!(answer, Answer::TimedOut(_))
         };
         if matches!(cause, Explanation::TimedOut(_))

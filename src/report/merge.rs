@@ -15,7 +15,7 @@ use crate::kit::strip_os_error_code;
 use crate::protocol::frame::Answer;
 use crate::report::shards::{self, AnswerRecord, OtherRemarks, RecordedAnswer, Shard, Trailer};
 use crate::report::{conclude::conclude, document::Report, reported::Reportable};
-use crate::runner::run::{Attempt, Reply, Request};
+use crate::runner::run::{AttemptKind, Reply, Request};
 use crate::session::run::{Progress, Run, Session};
 use crate::session::{asking::ReplyTo, remark::Remark};
 use crate::suite::{cases::Suite, test_case::TestCase};
@@ -23,7 +23,7 @@ use crate::suite::{cases::Suite, test_case::TestCase};
 /// Recorded answers of all parts of a run.
 pub struct RecordedAnswers<C: TestCase> {
     /// Answers, keyed by file digest, view, and kind of attempt.
-    known: HashMap<(String, String, Attempt), RecordedAnswer<C::Output>>,
+    known: HashMap<(String, String, AttemptKind), RecordedAnswer<C::Output>>,
     /// Trailer of the first part, with the remarks and the selected cases of all parts.
     trailer: Trailer,
 }
@@ -104,7 +104,7 @@ impl<C: Reportable> RecordedAnswers<C> {
     fn find_reply(&self, suite: &Suite<C>, request: &Request<'_, C::View>) -> Option<ReplyTo<C>> {
         let file = shards::digest(request.file);
         let known = |attempt| (self.known).get(&(file.clone(), request.view.to_string(), attempt));
-        let record = known(request.attempt).or_else(|| known(Attempt::Usual))?;
+        let record = known(request.attempt).or_else(|| known(AttemptKind::Usual))?;
         let answer = match &record.answer {
             Some(answer) => answer.clone(),
             None => Answer::Decoded(suite.case(&record.case)?.expected_output(request.view)?),

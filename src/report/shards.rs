@@ -20,7 +20,7 @@ use sha2::{Digest, Sha256};
 
 use crate::kit::digest::sha256;
 use crate::protocol::frame::Answer;
-use crate::runner::run::{Attempt, Request};
+use crate::runner::run::{AttemptKind, Request};
 use crate::session::asking::ReplyTo;
 use crate::session::observation::{Observation, Response};
 use crate::session::{plan::RunPlan, remark::Remark};
@@ -127,7 +127,7 @@ pub struct RecordedAnswer<T> {
         deserialize_with = "attempt",
         skip_serializing_if = "is_usual"
     )]
-    pub attempt: Attempt,
+    pub attempt: AttemptKind,
     /// Answer, or `None` if it equals the expected image.
     pub answer: Option<Answer<T>>,
     /// Exit status of the process.
@@ -145,22 +145,22 @@ pub struct RecordedAnswer<T> {
 }
 
 /// Reads a kind of attempt. Older recordings have a flag instead, which is true for repetitions.
-fn attempt<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Attempt, D::Error> {
+fn attempt<'de, D: Deserializer<'de>>(deserializer: D) -> Result<AttemptKind, D::Error> {
     #[derive(Deserialize)]
     #[serde(untagged)]
     enum Recorded {
         IsRepetition(bool),
-        Attempt(Attempt),
+        AttemptKind(AttemptKind),
     }
     Ok(match Recorded::deserialize(deserializer)? {
-        Recorded::IsRepetition(true) => Attempt::Repetition,
-        Recorded::IsRepetition(false) => Attempt::Usual,
-        Recorded::Attempt(attempt) => attempt,
+        Recorded::IsRepetition(true) => AttemptKind::Repetition,
+        Recorded::IsRepetition(false) => AttemptKind::Usual,
+        Recorded::AttemptKind(attempt) => attempt,
     })
 }
 
-fn is_usual(attempt: &Attempt) -> bool {
-    *attempt == Attempt::Usual
+fn is_usual(attempt: &AttemptKind) -> bool {
+    *attempt == AttemptKind::Usual
 }
 
 /// Line of an answer file.

@@ -70,13 +70,13 @@ pub struct Request<'a, V = View> {
     /// Maximum size of a frame of the file, in bytes.
     pub max_frame_bytes: usize,
     /// The kind of attempt, which determines the process and the time limit.
-    pub attempt: Attempt,
+    pub attempt: AttemptKind,
 }
 
 /// A kind of attempt to get an answer.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Attempt {
+pub enum AttemptKind {
     /// The usual attempt: in serve mode, in the process that answered the previous request.
     #[default]
     Usual,
@@ -86,16 +86,16 @@ pub enum Attempt {
     Alone,
 }
 
-/// Factor by which the time limit of [`Attempt::Alone`] is higher.
+/// Factor by which the time limit of [`AttemptKind::Alone`] is higher.
 pub const ALONE_FACTOR: u32 = 3;
 
-impl Attempt {
+impl AttemptKind {
     /// Returns the time limit of this attempt. `timeout` is the usual time limit.
     #[must_use]
     pub const fn time_limit(self, timeout: Duration) -> TimeLimit {
         TimeLimit(match self {
-            Attempt::Usual | Attempt::Repetition => timeout,
-            Attempt::Alone => timeout.saturating_mul(ALONE_FACTOR),
+            AttemptKind::Usual | AttemptKind::Repetition => timeout,
+            AttemptKind::Alone => timeout.saturating_mul(ALONE_FACTOR),
         })
     }
 }
@@ -103,13 +103,13 @@ impl Attempt {
 impl<'a, V> Request<'a, V> {
     /// Creates a request that is sent while no other request is in progress, so its time limit is higher than usual.
     #[must_use]
-    pub const fn alone(name: &'a str, view: &'a V, file: &'a [u8], max_frame_bytes: usize) -> Self {
+    pub const fn new(name: &'a str, view: &'a V, file: &'a [u8], max_frame_bytes: usize) -> Self {
         Request {
             name,
             view,
             file,
             max_frame_bytes,
-            attempt: Attempt::Alone,
+            attempt: AttemptKind::Alone,
         }
     }
 
@@ -424,7 +424,7 @@ impl Decoder {
             let words = self.command_with(&[OsStr::new("capabilities")]);
             let max_bytes = MAX_CAPABILITIES_BYTES;
             // This is the first call of a run, and the decoder may have to warm up.
-            let time = Attempt::Alone.time_limit(self.timeout);
+            let time = AttemptKind::Alone.time_limit(self.timeout);
             self.run_command(&words, max_bytes, time, &workspace.work_dir)
         });
         Capabilities::read(&result.output.map_err(|answer| answer.describe())?)

@@ -8,7 +8,7 @@
 //! ```
 //! Each job has a separate process with one request in flight. If a process exits or answers out of order, it is killed, its
 //! request is repeated in one-shot mode, and the next request starts a new serving process. A process that exceeds the time limit
-//! is killed, too, but its request is not repeated here: the run repeats it later, in a serving process of its own.
+//! is killed, too, but its request is not repeated here: the run repeats it later, in a new serving process.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -25,7 +25,7 @@ use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::processes;
 use crate::runner::run::{
-    Attempt, CallFailure, Decoder, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE,
+    AttemptKind, CallFailure, Decoder, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE,
     describe_exit,
 };
 use crate::runner::scratch::{Scratch, Workspace, is_unchanged};
@@ -104,10 +104,10 @@ impl<'a> Servers<'a> {
     /// repetitions, and if serve mode is disabled.
     #[must_use]
     pub fn ask(&self, request: &Request, job: usize) -> Reply {
-        if request.attempt == Attempt::Repetition || self.failure().is_some() {
+        if request.attempt == AttemptKind::Repetition || self.failure().is_some() {
             return self.decoder.ask(request, self.scratch);
         }
-        let is_alone = request.attempt == Attempt::Alone;
+        let is_alone = request.attempt == AttemptKind::Alone;
         let mut place = self.jobs[job].lock().expect("no request panics");
         let started = match place.take_if(|_| !is_alone) {
             Some(server) => Ok(server),
@@ -283,7 +283,7 @@ impl<'a> Server<'a> {
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                let is_alone = request.attempt == Attempt::Alone;
+                let is_alone = request.attempt == AttemptKind::Alone;
                 return Err(NotServed::TimedOut {
                     limit,
                     was_buffered: is_alone && self.answers_at_end_of_input(max_bytes, decoder),

@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use crate::protocol::frame::Answer;
-use crate::runner::run::{Attempt, CallFailure, CallResult, Decoder, INPUT_CHANGED_MESSAGE};
+use crate::runner::run::{AttemptKind, CallFailure, CallResult, Decoder, INPUT_CHANGED_MESSAGE};
 use crate::runner::scratch::{Scratch, is_unchanged};
 use crate::runner::template::Template;
 
@@ -34,7 +34,7 @@ pub struct WriteCall<'a> {
     /// Maximum size of the written file, in bytes.
     pub max_bytes: usize,
     /// The kind of attempt, which determines the time limit.
-    pub attempt: Attempt,
+    pub attempt: AttemptKind,
 }
 
 impl Decoder {

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
-use crate::runner::run::Attempt;
+use crate::runner::run::AttemptKind;
 use crate::session::asking::{CountCallback, Session, previous_request_text};
 use crate::session::judge::Judgment;
 use crate::session::observation::{Nondeterminism, Observation, Response};
@@ -39,7 +39,7 @@ impl<C: TestCase> Session<'_, C> {
             // A request that exceeded the time limit has been repeated already, and would probably exceed it again. If two
             // responses already differ, the case is decided.
             let is_settled = observation.nondeterminism.is_some()
-                || observation.attempt == Attempt::Alone
+                || observation.attempt == AttemptKind::Alone
                 || observation.response.time_limit().is_some();
             // The sample includes the first legal case of each unsupported kind.
             let cases = &self.suite.cases;
@@ -102,7 +102,7 @@ impl<C: TestCase> Session<'_, C> {
             let mut first = first.expect("only observations are repeated");
             let case = &self.suite.cases[index];
             let ask = || {
-                let repetition = Attempt::Repetition;
+                let repetition = AttemptKind::Repetition;
                 let (observation, _) = self.request(case, &first.view, table, worker, repetition);
                 Some(observation).filter(|seen| seen.response.time_limit().is_none())
             };

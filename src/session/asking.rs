@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::kit::parallel::run_on_threads;
 use crate::protocol::frame::Answer;
-use crate::runner::run::{Attempt, Reply, Request};
+use crate::runner::run::{AttemptKind, Reply, Request};
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::tally::Tally;
@@ -96,14 +96,14 @@ impl<'a, C: TestCase> Session<'a, C> {
         view: &C::View,
         table: TableSpelling,
         worker: usize,
-        attempt: Attempt,
+        attempt: AttemptKind,
     ) -> (Observation<C>, ReplyTo<C>) {
         self.tally.calls.fetch_add(1, Ordering::Relaxed);
         let (observation, reply) = self.request(case, view, table, worker, attempt);
         if is_violation(&reply) {
             self.tally.violations.fetch_add(1, Ordering::Relaxed);
         }
-        if let (Attempt::Usual, Some(limit)) = (attempt, observation.response.time_limit()) {
+        if let (AttemptKind::Usual, Some(limit)) = (attempt, observation.response.time_limit()) {
             let _ = self.tally.usual_limit.set(limit);
         }
         (observation, reply)
@@ -120,7 +120,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         if self.plan.unanswered.load(Ordering::Relaxed) >= MAX_UNANSWERED || self.is_interrupted() {
             return None;
         }
-        let (observation, reply) = self.request(case, view, table, 0, Attempt::Alone);
+        let (observation, reply) = self.request(case, view, table, 0, AttemptKind::Alone);
         if self.is_interrupted() {
             return None;
         }
@@ -140,7 +140,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         view: &C::View,
         table: TableSpelling,
     ) -> Observation<C> {
-        let (observation, _) = self.observe(case, view, table, 0, Attempt::Usual);
+        let (observation, _) = self.observe(case, view, table, 0, AttemptKind::Usual);
         match observation
             .is_open()
             .then(|| self.observe_alone(case, view, table))
@@ -157,7 +157,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         view: &C::View,
         table: TableSpelling,
         worker: usize,
-        attempt: Attempt,
+        attempt: AttemptKind,
     ) -> (Observation<C>, ReplyTo<C>) {
         let built = case.make(table);
         let request = Request {
@@ -168,7 +168,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             attempt,
         };
         let reply = (self.ask)(&request, worker);
-        if attempt == Attempt::Alone && is_timeout(&reply) {
+        if attempt == AttemptKind::Alone && is_timeout(&reply) {
             self.plan.unanswered.fetch_add(1, Ordering::Relaxed);
         }
         let response = match &reply.answer {

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::Mutex;
 
 use crate::protocol::frame::{Answer, Frame, View};
-use crate::runner::run::{Attempt, Reply};
+use crate::runner::run::{AttemptKind, Reply};
 use crate::session::asking::{ReplyTo, Session, is_timeout, serve_mode_failure};
 use crate::session::observation::Response;
 use crate::session::{offer::Offer, plan::Repeat, remark::Remark, tally::TimeoutWatch};
@@ -21,7 +21,7 @@ pub struct FirstFile<C: TestCase = Case> {
     /// The reply.
     pub reply: ReplyTo<C>,
     /// The kind of attempt that resulted in this reply.
-    pub attempt: Attempt,
+    pub attempt: AttemptKind,
 }
 
 impl<C: TestCase> FirstFile<C> {
@@ -174,8 +174,8 @@ impl<C: TestCase> Session<'_, C> {
                 continue;
             }
             let attempt = match replies.iter().all(|first| is_timeout(&first.reply)) {
-                true => Attempt::Alone,
-                false => Attempt::Usual,
+                true => AttemptKind::Alone,
+                false => AttemptKind::Usual,
             };
             let first = self.request_first_file(case, view, 0, attempt);
             watch.record(case, is_timeout(&first.reply));
@@ -224,7 +224,7 @@ impl<C: TestCase> Session<'_, C> {
         case: usize,
         view: &C::View,
         worker: usize,
-        attempt: Attempt,
+        attempt: AttemptKind,
     ) -> FirstFile<C> {
         let (table, view) = (TableSpelling::default(), view.clone());
         let (_, reply) = self.observe(&self.suite.cases[case], &view, table, worker, attempt);
@@ -254,7 +254,7 @@ impl<C: TestCase> Session<'_, C> {
             if self.is_interrupted() || watch.is_some_and(|watch| watch.is_after(case)) {
                 return false;
             }
-            let first = self.request_first_file(case, view, worker, Attempt::Usual);
+            let first = self.request_first_file(case, view, worker, AttemptKind::Usual);
             if let Some(watch) = watch {
                 watch.record(case, is_timeout(&first.reply));
             }
@@ -285,10 +285,10 @@ impl<C: TestCase> Session<'_, C> {
         let is_slow =
             |first: &&mut &mut FirstFile<C>| first.case == case && is_timeout(&first.reply);
         for first in replies.iter_mut().filter(is_slow) {
-            if first.attempt == Attempt::Usual {
+            if first.attempt == AttemptKind::Usual {
                 let (file, table) = (&self.suite.cases[case], TableSpelling::default());
                 (_, first.reply) = self.observe_alone(file, &first.view, table)?;
-                first.attempt = Attempt::Alone;
+                first.attempt = AttemptKind::Alone;
             }
             if is_timeout(&first.reply) {
                 return Some(false);

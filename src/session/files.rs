@@ -70,7 +70,7 @@ pub fn check_file(
 ) -> FileResult {
     let answer = |view: &View, file: &[u8]| {
         let texels = crate::decode(file).map_or(file.len(), |ptm| ptm.planes.size.texels());
-        ask(&Request::alone(name, view, file, texels * 72)).answer
+        ask(&Request::new(name, view, file, texels * 72)).answer
     };
     let mut result = FileResult::not_run(name, None);
     let mut answered = views.iter().map(|view| (view, answer(view, file)));

@@ -58,7 +58,7 @@ pub fn difference(
         };
         let case = &suite.cases[*case];
         let built = case.build(run.table);
-        let request = Request::alone(&case.id, view, &built.file, frame.samples.bytes());
+        let request = Request::new(&case.id, view, &built.file, frame.samples.bytes());
         let answer = decoder.ask(&request, scratch).answer;
         let got = match &answer {
             answer if answer.is_equivalent(&reply.answer) => return None,

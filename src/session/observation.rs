@@ -1,7 +1,7 @@
 //! The result of one request.
 
 use crate::protocol::frame::{Answer, TimeLimit};
-use crate::runner::run::Attempt;
+use crate::runner::run::AttemptKind;
 use crate::suite::cases::{Case, Expect};
 use crate::suite::dialect::RightDialects;
 use crate::suite::test_case::{Allowance, TestCase};
@@ -18,7 +18,7 @@ pub struct Observation<C: TestCase = Case> {
     /// Beginning of standard error.
     pub stderr: String,
     /// The kind of attempt that resulted in this response.
-    pub attempt: Attempt,
+    pub attempt: AttemptKind,
     /// In serve mode, the name of the previous request to the same process.
     pub previous_request: Option<String>,
     /// Difference between two answers to this request, if it was repeated and the answers differ.
@@ -29,7 +29,7 @@ impl<C: TestCase> Observation<C> {
     /// Returns true if the request exceeded the usual time limit, and nothing is known about a higher one.
     #[must_use]
     pub fn is_open(&self) -> bool {
-        self.attempt != Attempt::Alone && self.response.time_limit().is_some()
+        self.attempt != AttemptKind::Alone && self.response.time_limit().is_some()
     }
 
     /// Returns true if the case fails regardless of other observations. Nondeterminism is not considered.

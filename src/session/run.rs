@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use crate::runner::run::Attempt;
+use crate::runner::run::AttemptKind;
 pub use crate::session::asking::Session;
 use crate::session::asking::{CountCallback, DecoderFn};
 use crate::session::contact::{Contact, FirstFile};
@@ -164,7 +164,7 @@ impl<C: TestCase> Session<'_, C> {
             if watch.is_after(at) || self.is_interrupted() {
                 return false;
             }
-            let usual = Attempt::Usual;
+            let usual = AttemptKind::Usual;
             let (observation, _) = self.observe(&cases[i], view, contact.table, worker, usual);
             if self.is_interrupted() {
                 self.drop_observation(&mut Some(observation));

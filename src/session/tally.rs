@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, OnceLock};
 
 use crate::protocol::frame::TimeLimit;
-use crate::runner::run::Attempt;
+use crate::runner::run::AttemptKind;
 use crate::session::remark::Remark;
 
 /// Number of consecutive legal files that exceed the time limit before one of them is requested alone.
@@ -40,7 +40,7 @@ impl Tally {
         let Some(usual) = self.usual_limit.get() else {
             return Vec::new();
         };
-        let [limit, higher] = [usual.0, Attempt::Alone.time_limit(usual.0).0];
+        let [limit, higher] = [usual.0, AttemptKind::Alone.time_limit(usual.0).0];
         let [limit, higher] = [limit, higher].map(|limit| limit.as_secs_f64());
         let slow = self.slow_files.lock().expect("no worker panics");
         let mut remarks = Vec::new();

@@ -2,7 +2,7 @@
 
 use crate::protocol::frame::Answer;
 use crate::ptm::Size;
-use crate::runner::run::{Attempt, Decoder, Reply};
+use crate::runner::run::{AttemptKind, Decoder, Reply};
 use crate::runner::{scratch::Scratch, write::WriteCall};
 use crate::suite::{cases::TableSpelling, test_case::TestCase};
 use crate::writers::test_case::{FileCase, RequestValues, WrittenFile};
@@ -16,7 +16,7 @@ pub const VALUES: [&str; 10] = [
 pub(crate) fn request_file<V: RequestValues>(
     writer: &Decoder,
     case: &FileCase<V>,
-    attempt: Attempt,
+    attempt: AttemptKind,
     scratch: &Scratch,
 ) -> Reply<WrittenFile> {
     let built = case.make(TableSpelling::default());

@@ -3,7 +3,7 @@
 use crate::kit::last_message::quote_last_message;
 use crate::misreadings::writing;
 use crate::protocol::frame::Answer;
-use crate::runner::run::{Attempt, Decoder, Reply};
+use crate::runner::run::{AttemptKind, Decoder, Reply};
 use crate::runner::scratch::Scratch;
 use crate::session::probe::Checklist;
 use crate::suite::cases::Suite;
@@ -19,7 +19,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     let suite = Suite::load_writer_requests()?;
     let mut list = Checklist::default();
     for case in suite.cases.iter().filter(|case| case.first) {
-        let reply = asking::request_file(writer, case, Attempt::Alone, scratch);
+        let reply = asking::request_file(writer, case, AttemptKind::Alone, scratch);
         let format = case.format.short_name();
         match &reply.answer {
             Answer::Decoded(file) => check_file(&mut list, case, file),

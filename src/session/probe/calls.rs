@@ -50,7 +50,7 @@ impl Calls<'_> {
 
     fn call_with_template(&self, template: Option<Template>, view: &View, file: &[u8]) -> Reply {
         // All output is examined, so the limit leaves room for an f64 for each byte of the file, and more.
-        let request = Request::alone("probe", view, file, file.len().max(1 << 12) * 18);
+        let request = Request::new("probe", view, file, file.len().max(1 << 12) * 18);
         let other = template.map(|template| self.decoder.with_command_line(template));
         (other.as_ref().unwrap_or(self.decoder)).ask(&request, self.scratch)
     }

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit, View};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
-use crate::runner::run::Attempt;
+use crate::runner::run::AttemptKind;
 use crate::runner::scratch::Workspace;
 
 use super::calls::Calls;
@@ -56,23 +56,33 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
     let Answer::Decoded(right) = &reply.answer else {
         return Err(None);
     };
-    let mut dialog = Dialog::start(calls).ok_or(None)?;
-    let whole = dialog.write_input("one file.ptm", &first.sample.file);
-    let malformed = dialog.write_input("malformed.ptm", MALFORMED);
-    let limit = dialog.time_limit;
+    let start = || {
+        let mut dialog = Dialog::start(calls)?;
+        let whole = dialog.write_input("one file.ptm", &first.sample.file);
+        let malformed = dialog.write_input("malformed.ptm", MALFORMED);
+        Some((dialog, whole, malformed))
+    };
+    let (mut dialog, mut whole, mut malformed) = start().ok_or(None)?;
+    let limit = AttemptKind::Alone.time_limit(calls.decoder.timeout);
     let too_slow = |file: &str| fault("serve-time-limit", &[("limit", &limit), ("file", &file)]);
     let after = |count: usize, name: &str| Err(Some((count, fault(name, &[]))));
-    match dialog.ask(1, view, &whole) {
+    let mut served = dialog.ask(1, view, &whole);
+    dialog.time_limit = limit;
+    if let ServeResult::NoAnswer = served {
+        // Some programs mistake the word `serve` for a view and wait; others answer when their input ends, or are slow.
+        match dialog.end() {
+            ServeResult::Answer(line, _) if line.starts_with("1 ") => {}
+            _ => return Err(None),
+        }
+        (dialog, whole, malformed) = start().ok_or(None)?;
+        dialog.time_limit = limit;
+        served = dialog.ask(1, view, &whole);
+    }
+    match served {
         ServeResult::Answer(line, bytes) => {
             judge(&line, &bytes, right).map_err(|fault| Some((1, fault)))?;
         }
-        // Some programs mistake the word `serve` for a view and wait; others answer when their input ends.
-        ServeResult::NoAnswer => match dialog.end() {
-            ServeResult::Answer(line, _) if line.starts_with("1 ") => {
-                return after(1, "serve-buffered");
-            }
-            _ => return Err(None),
-        },
+        ServeResult::NoAnswer => return after(1, "serve-buffered"),
         ServeResult::Ended(_) => return Err(None),
         ServeResult::Fault(fault) => return Err(Some((1, fault))),
     }
@@ -149,7 +159,7 @@ impl<'a> Dialog<'a> {
         Some(Dialog {
             call: call.ok()?,
             workspace,
-            time_limit: Attempt::Alone.time_limit(decoder.timeout),
+            time_limit: AttemptKind::Usual.time_limit(decoder.timeout),
         })
     }
 

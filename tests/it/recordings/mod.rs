@@ -9,7 +9,7 @@ use flate2::read::GzDecoder;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::protocol::frame::Frame;
 use ptm_conform::report::shards::RecordedAnswer;
-use ptm_conform::runner::run::Attempt;
+use ptm_conform::runner::run::AttemptKind;
 
 pub fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/it/recordings")
@@ -32,7 +32,7 @@ pub fn recorded_answers(reader: &str) -> HashMap<(String, String), RecordedAnswe
         .lines()
         .filter_map(|line| serde_json::from_str(line).ok());
     answers
-        .filter(|answer: &RecordedAnswer<Frame>| answer.attempt == Attempt::Usual)
+        .filter(|answer: &RecordedAnswer<Frame>| answer.attempt == AttemptKind::Usual)
         .map(|answer| ((answer.file.clone(), answer.view.clone()), answer))
         .collect()
 }

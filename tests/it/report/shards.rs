@@ -12,7 +12,7 @@ use ptm_conform::report::shards::{
     AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
 };
 use ptm_conform::report::{Report, conclude::conclude, document::Tool, merge::RecordedAnswers};
-use ptm_conform::runner::run::{Attempt, Reply, Request};
+use ptm_conform::runner::run::{AttemptKind, Reply, Request};
 use ptm_conform::session::asking::DecoderFn;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::remark::Remark;
@@ -167,8 +167,8 @@ fn merged_shards_repeat_the_same_requests_as_the_whole_run() {
             let limit = request.attempt.time_limit(Duration::from_secs(10));
             let is_slow = is_sampled(request, 40);
             match request.attempt {
-                Attempt::Usual | Attempt::Repetition if is_slow => Answer::TimedOut(limit),
-                Attempt::Alone if is_slow && is_sampled(request, endless * 40) => {
+                AttemptKind::Usual | AttemptKind::Repetition if is_slow => Answer::TimedOut(limit),
+                AttemptKind::Alone if is_slow && is_sampled(request, endless * 40) => {
                     Answer::TimedOut(limit)
                 }
                 _ => reference_answer(request),

@@ -95,7 +95,7 @@ serves-without-flush
 serves-extra | 1 | --serve | none | in serve mode && protocol error
 serves-before-asked | 1 | --serve --jobs 1 | any | in serve mode && protocol error
 serves-exit-codes | 1 | --serve --jobs 1 | 2 | expected the refusal code 65
-serves-five-times | 1 | --serve --jobs 1 | 3 | ended (exit status 0) without an answer; it had answered 5 requests
+serves-five-times | 1 | --serve --jobs 1 | 2 | ended (exit status 0) without an answer; it had answered 5 requests
 serves-five-times-and-ignores-the-rest | 0 | --timeout 2 --serve --jobs 1 | none | exceeded the time limit of 2 s (`--timeout`) on && which is not a failure
 serves-until-lum
   | 1 | --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | in serve mode, after first-rgb: crash: the serving process ended (killed by signal 6)

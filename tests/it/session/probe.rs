@@ -26,7 +26,8 @@ fn probe(text: &str, options: &str) -> (i32, String) {
 /// Probes a decoder, checks the exit status and the output, and returns the output.
 #[track_caller]
 fn assert_probed(text: &str, status: &str, parts: &str) -> String {
-    let (found, output) = probe(text, "");
+    // Programs that buffer their output answer only after this time.
+    let (found, output) = probe(text, "--timeout 3");
     assert_contains(&output, parts);
     assert_eq!(found.to_string(), status, "{output}");
     output

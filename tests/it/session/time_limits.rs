@@ -9,7 +9,7 @@ use std::time::Duration;
 
 use ptm_conform::protocol::frame::{Answer, Samples, TimeLimit};
 use ptm_conform::report::Report;
-use ptm_conform::runner::run::{Attempt, Reply, Request};
+use ptm_conform::runner::run::{AttemptKind, Reply, Request};
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, check};
@@ -47,7 +47,7 @@ impl Pace {
     /// Returns the answer of the reference, unless it takes too long.
     fn answer(self, request: &Request) -> Answer {
         match (self, request.attempt) {
-            (Pace::Quick, _) | (Pace::Slow, Attempt::Alone) => reference_answer(request),
+            (Pace::Quick, _) | (Pace::Slow, AttemptKind::Alone) => reference_answer(request),
             _ => Answer::TimedOut(request.attempt.time_limit(LIMIT)),
         }
     }
@@ -240,7 +240,10 @@ fn decoder_that_never_answers_is_given_three_requests() {
         requests.lock().expect("a list").push(request.attempt);
         Pace::Endless.answer(request)
     });
-    assert_eq!(requests.into_inner().expect("a list"), [Attempt::Alone; 3]);
+    assert_eq!(
+        requests.into_inner().expect("a list"),
+        [AttemptKind::Alone; 3]
+    );
     let limit = "exceeds the time limit of 30 s (`--timeout`)";
     let reason = run.not_a_decoder.expect("it is not a decoder");
     assert!(reason.starts_with(&format!("it {limit} and decodes none of the first files")));
@@ -274,7 +277,7 @@ fn repetition_has_the_machine_to_itself() {
             false => Pace::Quick,
         };
         let answer = pace.answer(request);
-        if request.attempt == Attempt::Alone {
+        if request.attempt == AttemptKind::Alone {
             alone.fetch_add(1, Ordering::SeqCst);
             std::thread::sleep(Duration::from_millis(2));
             assert_eq!(running.load(Ordering::SeqCst), 1, "{}", request.name);
@@ -303,7 +306,7 @@ fn timeout_of_a_repetition_is_not_nondeterminism() {
                 if request.name != wrong {
                     return reference_answer(request);
                 }
-                let is_repetition = request.attempt == Attempt::Repetition;
+                let is_repetition = request.attempt == AttemptKind::Repetition;
                 if is_repetition && repetitions.fetch_add(1, Ordering::SeqCst) >= answered {
                     return Answer::TimedOut(TimeLimit(LIMIT));
                 }
@@ -346,7 +349,7 @@ fn different_images_differ_even_if_the_next_repetition_times_out() {
     let ask = |request: &Request<'_>, _: usize| {
         let answer = reference_answer(request);
         Reply::from(match request.attempt {
-            Attempt::Repetition if request.name == wrong => {
+            AttemptKind::Repetition if request.name == wrong => {
                 match repetitions.fetch_add(1, Ordering::SeqCst) {
                     0 => answer,
                     _ => Answer::TimedOut(TimeLimit(LIMIT)),
@@ -371,7 +374,11 @@ fn different_images_differ_even_if_the_next_repetition_times_out() {
 fn memory_and_time_limits_are_not_nondeterminism() {
     let suite = suite();
     let large = &legal(&suite)[30];
-    for first in [Attempt::Usual, Attempt::Alone, Attempt::Repetition] {
+    for first in [
+        AttemptKind::Usual,
+        AttemptKind::Alone,
+        AttemptKind::Repetition,
+    ] {
         let run = in_process::run(&suite, &RunPlan::new(&suite, 2), |request| {
             match (request.name == large, request.attempt == first) {
                 (false, _) => reference_answer(request),

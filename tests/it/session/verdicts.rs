@@ -6,7 +6,7 @@ use ptm_conform::protocol::frame::{Answer, TimeLimit};
 use ptm_conform::ptm::Format;
 use ptm_conform::report::Report;
 use ptm_conform::report::{html, junit, suite_texts::SuiteTexts};
-use ptm_conform::runner::run::{Attempt, Reply, Request};
+use ptm_conform::runner::run::{AttemptKind, Reply, Request};
 use ptm_conform::session::outcome::{Outcome, ResponseKind, outcome};
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, check};
@@ -244,7 +244,7 @@ fn different_limits_are_not_nondeterminism() {
             let out_of_memory = Answer::OutOfMemory("more than 2048 MiB".to_owned());
             let case = suite.case(request.name).expect("the case exists");
             match hoards(case) {
-                true if request.attempt == Attempt::Repetition => Reply::from(timeout()),
+                true if request.attempt == AttemptKind::Repetition => Reply::from(timeout()),
                 true => Reply {
                     serve_mode_answer: served.then(timeout),
                     ..Reply::from(out_of_memory)
