@@ -139,7 +139,7 @@ fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
             Some(why) => *why = format!("{why}\n{says}"),
             None => contact.remarks.push(Remark::failure(says)),
         }
-        contact.end_reason = Some(FIX_THE_WRAPPER);
+        contact.end_reason = Some(FIX_THE_WRAPPER.to_owned());
     }
 }
 

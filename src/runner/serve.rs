@@ -146,15 +146,21 @@ impl<'a> Servers<'a> {
             }
         };
         drop(server);
+        Reply {
+            previous_request,
+            ..self.reply_after_failure(request, served, reason)
+        }
+    }
+
+    /// Returns the reply to a request that serve mode failed to answer: `served`, for this `reason`, or the answer in one-shot mode.
+    fn reply_after_failure(&self, request: &Request, served: Answer, reason: String) -> Reply {
         let has_answered = self.answered_count.load(Ordering::Relaxed) > 0;
         let timed_out = matches!(served, Answer::TimedOut(_));
         // A slow answer does not mean that serve mode fails, unless it never answered, even with a higher limit.
+        let is_alone = request.attempt == AttemptKind::Alone;
         let is_undecided = timed_out && (!is_alone || has_answered);
         if is_undecided || self.decoder.stop.load(Ordering::Relaxed) {
-            return Reply {
-                previous_request,
-                ..served.into()
-            };
+            return served.into();
         }
         let one_shot = self.decoder.ask(request, self.scratch);
         // If the decoder also fails on this file in one-shot mode, serve mode is not the cause.
@@ -166,7 +172,6 @@ impl<'a> Servers<'a> {
             }
         }
         Reply {
-            previous_request,
             serve_mode_answer: (is_cause && !timed_out).then_some(served),
             ..one_shot
         }

@@ -88,7 +88,7 @@ pub struct Contact<C: TestCase = Case> {
     /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
     /// Reason why no case is requested, if something must be fixed first.
-    pub end_reason: Option<&'static str>,
+    pub end_reason: Option<String>,
 }
 
 impl<C: TestCase> Contact<C> {
@@ -153,20 +153,14 @@ impl<C: TestCase> Session<'_, C> {
     /// After three consecutive files that exceed the limit, one of them after the other is requested alone until one is answered.
     /// If none is, the run ends. At the end, all requests that exceeded the usual limit are repeated alone.
     fn first_files(&self) -> Vec<FirstFile<C>> {
-        let (suite, plan) = (self.suite, self.plan);
-        let cases = suite.cases.iter().enumerate();
-        let first =
-            cases.filter(|&(i, case)| case.is_first() && plan.is_requested(i) && !plan.precomputed);
-        let in_views = first.flat_map(|(i, case)| case.views().iter().map(move |view| (i, view)));
-        let mut work: Vec<(usize, &C::View)> = in_views.collect();
-        work.retain(|(_, view)| plan.allows_view(C::view_name(view)));
-        let mut cases: Vec<usize> = work.iter().map(|&(case, _)| case).collect();
+        let requests = self.first_requests();
+        let mut cases: Vec<usize> = requests.iter().map(|&(case, _)| case).collect();
         cases.dedup();
         let mut watch = TimeoutWatch::new(cases.clone());
-        let in_order = plan.repeat == Repeat::FailuresAndSample;
+        let in_order = self.plan.repeat == Repeat::FailuresAndSample;
         let mut replies: Vec<FirstFile<C>> = Vec::new();
         let mut left = Vec::new();
-        for (case, view) in work {
+        for (case, view) in requests {
             let is_slow = |first: &FirstFile<C>| first.case == case && is_timeout(&first.reply);
             let decoded = replies.iter().any(FirstFile::is_decoded);
             if decoded && !in_order || replies.last().is_some_and(is_slow) {
@@ -193,30 +187,45 @@ impl<C: TestCase> Session<'_, C> {
                 watch = TimeoutWatch::new(cases.clone());
             }
         }
-        let mut others: Vec<Option<FirstFile<C>>> = left.iter().map(|_| None).collect();
-        self.request_first_files(&left, &mut others, Some(&watch));
-        let mut all: Vec<&mut FirstFile<C>> = replies
-            .iter_mut()
-            .chain(others.iter_mut().flatten())
-            .collect();
-        if let Some(slow) = watch.consecutive()
-            && self.any_is_answered(slow, &mut all)
-        {
-            self.request_first_files(&left, &mut others, None);
-        }
-        if !self.is_over() {
-            let mut all: Vec<&mut FirstFile<C>> = replies
-                .iter_mut()
-                .chain(others.iter_mut().flatten())
-                .collect();
-            let open = all.iter().filter(|first| is_timeout(&first.reply));
-            let open: BTreeSet<usize> = open.map(|first| first.case).collect();
-            for case in open {
-                self.repeat_first_file(case, &mut all);
+        self.request_other_views(&left, &watch, &mut replies);
+        replies
+    }
+
+    /// Returns the first files and the views in which they are requested.
+    fn first_requests(&self) -> Vec<(usize, &C::View)> {
+        let cases = self.suite.cases.iter().enumerate();
+        let is_requested = |i| self.plan.is_requested(i) && !self.plan.precomputed;
+        let first = cases.filter(|&(i, case)| case.is_first() && is_requested(i));
+        first
+            .flat_map(|(i, case)| case.views().iter().map(move |view| (i, view)))
+            .filter(|(_, view)| self.plan.allows_view(C::view_name(view)))
+            .collect()
+    }
+
+    /// Sends the remaining requests in parallel, and repeats all that exceeded the usual time limit.
+    fn request_other_views(
+        &self,
+        requests: &[(usize, &C::View)],
+        watch: &TimeoutWatch,
+        replies: &mut Vec<FirstFile<C>>,
+    ) {
+        let mut others: Vec<Option<FirstFile<C>>> = requests.iter().map(|_| None).collect();
+        self.request_first_files(requests, &mut others, Some(watch));
+        if let Some(slow) = watch.consecutive() {
+            let known = replies.iter_mut().chain(others.iter_mut().flatten());
+            if self.any_is_answered(slow, &mut known.collect::<Vec<_>>()) {
+                self.request_first_files(requests, &mut others, None);
             }
         }
         replies.extend(others.into_iter().flatten());
-        replies
+        if self.is_over() {
+            return;
+        }
+        let open = replies.iter().filter(|first| is_timeout(&first.reply));
+        let open: BTreeSet<usize> = open.map(|first| first.case).collect();
+        for case in open {
+            self.repeat_first_file(case, &mut replies.iter_mut().collect::<Vec<_>>());
+        }
     }
 
     fn request_first_file(
@@ -282,9 +291,10 @@ impl<C: TestCase> Session<'_, C> {
     /// Repeats the requests for a file that exceeded the usual time limit, each alone and with a higher limit. Returns true if all
     /// were answered, false after the first that exceeds this limit, too, and `None` if no request may be repeated.
     fn repeat_first_file(&self, case: usize, replies: &mut [&mut FirstFile<C>]) -> Option<bool> {
-        let is_slow =
-            |first: &&mut &mut FirstFile<C>| first.case == case && is_timeout(&first.reply);
-        for first in replies.iter_mut().filter(is_slow) {
+        for first in replies {
+            if first.case != case || !is_timeout(&first.reply) {
+                continue;
+            }
             if first.attempt == AttemptKind::Usual {
                 let (file, table) = (&self.suite.cases[case], TableSpelling::default());
                 (_, first.reply) = self.observe_alone(file, &first.view, table)?;

@@ -278,10 +278,10 @@ impl<C: TestCase> Session<'_, C> {
         let end_reason = self.end_reason();
         let (selected, ended_early) = match contact.not_a_decoder {
             Some(_) => (&nothing, end_reason),
-            None => {
-                let ended_at_contact = contact.end_reason.map(str::to_owned);
-                (&self.plan.selected, ended_at_contact.or(end_reason))
-            }
+            None => (
+                &self.plan.selected,
+                contact.end_reason.clone().or(end_reason),
+            ),
         };
         let mut judgment = judge(suite, selected, &observations, &contact.offer);
         if ended_early.is_none() && self.repeat(table, &mut observations, &judgment, progress) {

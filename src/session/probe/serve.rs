@@ -56,13 +56,7 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
     let Answer::Decoded(right) = &reply.answer else {
         return Err(None);
     };
-    let start = || {
-        let mut dialog = Dialog::start(calls)?;
-        let whole = dialog.write_input("one file.ptm", &first.sample.file);
-        let malformed = dialog.write_input("malformed.ptm", MALFORMED);
-        Some((dialog, whole, malformed))
-    };
-    let (mut dialog, mut whole, mut malformed) = start().ok_or(None)?;
+    let (mut dialog, mut whole, mut malformed) = start(calls, first).ok_or(None)?;
     let limit = AttemptKind::Alone.time_limit(calls.decoder.timeout);
     let too_slow = |file: &str| fault("serve-time-limit", &[("limit", &limit), ("file", &file)]);
     let after = |count: usize, name: &str| Err(Some((count, fault(name, &[]))));
@@ -74,7 +68,7 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
             ServeResult::Answer(line, _) if line.starts_with("1 ") => {}
             _ => return Err(None),
         }
-        (dialog, whole, malformed) = start().ok_or(None)?;
+        (dialog, whole, malformed) = start(calls, first).ok_or(None)?;
         dialog.time_limit = limit;
         served = dialog.ask(1, view, &whole);
     }
@@ -112,6 +106,14 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         ServeResult::Ended(true) => Ok(()),
         _ => after(3, "serve-end"),
     }
+}
+
+/// Starts the process, and writes an ordinary file and a malformed one for it.
+fn start<'a>(calls: &Calls<'a>, first: &FileReplies) -> Option<(Dialog<'a>, PathBuf, PathBuf)> {
+    let mut dialog = Dialog::start(calls)?;
+    let whole = dialog.write_input("one file.ptm", &first.sample.file);
+    let malformed = dialog.write_input("malformed.ptm", MALFORMED);
+    Some((dialog, whole, malformed))
 }
 
 /// Checks that an answer is equivalent to the frame returned in one-shot mode.
