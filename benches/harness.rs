@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use ptm_conform::runner::processes;
-use ptm_conform::runner::run::{Decoder, Request};
+use ptm_conform::runner::run::{AttemptKind, Decoder, Request};
 use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::runner::serve::Servers;
 use ptm_conform::session::plan::{Repeat, RunPlan};
@@ -101,6 +101,7 @@ fn plan(selected: &[bool], serves: bool) -> RunPlan {
         } else {
             Repeat::Failures
         },
+        unanswered: Arc::default(),
         stop: Arc::default(),
     }
 }
@@ -114,7 +115,7 @@ fn run(suite: &Suite, decoder: &Decoder, selected: &[bool], serves: bool, scratc
     };
     let run = check(suite, &plan, &ask, &|_, _, _, _| ());
     if run.exit_status() != 0 {
-        println!("some cases failed: on a busy machine, slow answers may count as hangs");
+        println!("some cases failed: on a busy machine, requests may exceed the time limit");
     }
 }
 
@@ -133,7 +134,7 @@ fn requests(suite: &Suite, decoder: &Decoder, scratch: &Scratch) -> Vec<(String,
         let path = scratch
             .work_directory()
             .join(format!("bare-{}.ptm", recorded.len()));
-        if !request.needs_new_process {
+        if request.attempt == AttemptKind::Usual {
             fs::write(&path, request.file).expect("a file");
             recorded.push((request.view.to_string(), path));
         }

@@ -51,6 +51,10 @@ fn respond(kind: &str, view: &str, file: &str) {
         "closes-everything-and-runs-on" => {
             run_shell(&format!("exec <&- >&- 2>&-; sleep {}", nap()));
         }
+        "sleeps-on-slow-files" => {
+            sleep_on_slow_file(file);
+            answer(view, file, 65, 69);
+        }
         "hoards" => hoard(),
         "hoards-by-a-child" => hoard_by_child(),
 
@@ -283,6 +287,22 @@ fn kill_self(signal: &str) {
     run_shell(&format!(
         "kill -{signal} {id}; sleep 0.1; kill -{signal} {id}"
     ));
+}
+
+/// Sleeps if the file equals one in the directory `ZOO_SLOW_FILES`. The number before the first hyphen in its name is the time in
+/// seconds.
+fn sleep_on_slow_file(file: &str) {
+    let bytes = fs::read(file).unwrap_or_default();
+    let directory = std::env::var_os("ZOO_SLOW_FILES").unwrap_or_default();
+    for entry in fs::read_dir(directory).into_iter().flatten().flatten() {
+        let name = entry.file_name().to_string_lossy().into_owned();
+        let seconds = name.split('-').next().and_then(|text| text.parse().ok());
+        if let (Some(seconds), Ok(true)) =
+            (seconds, fs::read(entry.path()).map(|slow| slow == bytes))
+        {
+            std::thread::sleep(Duration::from_secs_f64(seconds));
+        }
+    }
 }
 
 fn sleep_forever() {
@@ -644,6 +664,10 @@ fn reply(kind: &str, sequence: &str, view: &str, file: &str, memory: &mut Memory
         ("serves-and-hangs-at-lum", _) if lum => {
             sleep_forever();
             Vec::new()
+        }
+        ("sleeps-on-slow-files", _) => {
+            sleep_on_slow_file(file);
+            whole
         }
         ("serves-and-hoards", _) => {
             memory.hoard.push(vec![1; 32 << 20]);

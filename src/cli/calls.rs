@@ -15,7 +15,7 @@ pub type StopFlag = Arc<AtomicBool>;
 
 /// Options for running a suite.
 #[derive(Args)]
-#[command(mut_arg("timeout", |timeout| timeout.help("Wall-clock limit for each call; the first call may take three times as long")))]
+#[command(mut_arg("timeout", |timeout| timeout.help("Wall-clock limit for each call; requests that exceed it are repeated alone, with three times the limit")))]
 pub struct RunArgs {
     /// The file for the YAML report.
     #[arg(long, value_name = "FILE", default_value = "ptm-conform-report.yaml")]
@@ -56,7 +56,9 @@ impl LimitArgs {
             }
             false => "not limited, because this system has no /proc".to_owned(),
         };
-        let time = format!("{seconds} s per call, and three times as long for the first call");
+        let time = format!(
+            "{seconds} s per call; requests that exceed it are repeated alone, with three times the limit"
+        );
         let limits = [("wall-clock time", time), ("memory", memory)];
         Vec::from(limits.map(|(name, text)| format!("{name}: {text}")))
     }

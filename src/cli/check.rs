@@ -111,7 +111,6 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     if args.output.html.is_some() && run.ended_early.is_none() {
         run.scene = lit_scene::request(&run.offer, &run.judgment.decoded, &ask);
     }
-    let given_up = servers.filter(Servers::is_serve_mode_disabled);
     let notes = capabilities.remarks.iter();
     let notes = notes.map(|says| Remark::note(format!("capabilities: {says}")));
     // The answers may differ in a locale with a decimal comma, if the system has one.
@@ -120,9 +119,8 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
         let locale = locale::comma_locale()?;
         locale::difference(&suite, &run, decoder, &locale, scratch).map(Remark::failure)
     });
-    let given_up = given_up.map(|_| Remark::failure(SERVE_MODE_FAILED.to_owned()));
     let others = OtherRemarks {
-        before: given_up.into_iter().collect(),
+        before: serve_mode_remarks(servers.as_ref()),
         after: notes.chain(locale).collect(),
     };
     let status = check.conclude(run, others)?;
@@ -141,7 +139,7 @@ fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
             Some(why) => *why = format!("{why}\n{says}"),
             None => contact.remarks.push(Remark::failure(says)),
         }
-        contact.end_reason = Some(FIX_THE_WRAPPER);
+        contact.end_reason = Some(FIX_THE_WRAPPER.to_owned());
     }
 }
 
@@ -226,9 +224,13 @@ fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> C
 /// Reason why a run with a faulty wrapper ends at first contact.
 const FIX_THE_WRAPPER: &str = "the run ended after the initial checks: fix the wrapper first, because its faults would make most cases fail";
 
-/// Remark about a decoder that never answered in serve mode.
-const SERVE_MODE_FAILED: &str =
-    "serve mode failed: the first requests were not answered; fell back to one process per request";
+/// Returns a remark if the decoder never answered in serve mode.
+fn serve_mode_remarks(servers: Option<&Servers>) -> Vec<Remark> {
+    let failure = servers.and_then(Servers::failure);
+    let remark = failure
+        .map(|why| format!("serve mode failed and was replaced by one process per request: {why}"));
+    remark.map(Remark::failure).into_iter().collect()
+}
 
 /// Hint that serve mode is faster, for a run that does not use it.
 const SERVE_MODE_IS_FASTER: &str = "\nServe mode is faster: one process answers all requests. To print a decoder that supports it, run: ptm-conform example python";

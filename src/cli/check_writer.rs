@@ -106,7 +106,7 @@ fn check<V: RequestValues>(
     let guarded = ScratchGuard::new()?;
     let ask = |request: &Request<'_, WriteView>, _: usize| {
         let case = suite.case(request.name).expect("the case exists");
-        asking::request_file(&writer, case, request.timeout_factor, &guarded.scratch)
+        asking::request_file(&writer, case, request.attempt, &guarded.scratch)
     };
     let run = ProgramRun {
         program: &writer,

@@ -96,7 +96,7 @@ impl<'a, C: Reportable> Check<'a, C> {
             C::undo_common_transforms(self.suite, &mut session, &mut contact);
         }
         let observations = self.run_smoke_subset_first(&session, &contact, pace);
-        self.progress.begin("repeating failed cases:");
+        self.progress.begin("repeating requests:");
         let again = |done, all| self.progress.update(done, all);
         let run = session.verdicts(contact, observations, &again);
         // The first signal ends the calls. The next one ends the search for causes.
@@ -193,7 +193,7 @@ impl<'a, C: Reportable> Check<'a, C> {
                 circumstances: self.circumstances,
                 plan: plan.clone(),
                 remarks: others,
-                ended_early: run.ended_early.map(str::to_owned),
+                ended_early: run.ended_early.clone(),
             };
             let path = answers_path(self.writer.path);
             recorder.finish(&end).map_err(with_path(&path))?;

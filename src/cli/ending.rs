@@ -115,7 +115,7 @@ impl<'a> ReportWriter<'a> {
         mut report: Report,
     ) -> Result<u8, String> {
         self.write(&mut report)?;
-        if let Some(why) = run.ended_early {
+        if let Some(why) = &run.ended_early {
             print_error(&format!("ptm-conform: {why}"));
         }
         let text = report.to_text(&self.texts, self.args.show);

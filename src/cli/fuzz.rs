@@ -80,6 +80,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
         views: args.views.clone(),
         declared,
         formats: args.formats.clone(),
+        unanswered: Arc::default(),
         stop: Arc::clone(&stop),
     };
     if let Some(seconds) = args.seconds {
@@ -113,7 +114,7 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     let end = match result.ended_early {
         _ if decoder.stop.load(Ordering::Relaxed) => "; interrupted",
         _ if stop.load(Ordering::Relaxed) => "; the time limit was reached",
-        Some(_) => "; the decoder does not terminate",
+        Some(_) => "; three legal files in a row exceeded the time limit (`--timeout`)",
         None => "",
     };
     print(&summary(&result, end));

@@ -68,7 +68,7 @@ pub fn run(args: &MinimizeArgs) -> CommandResult {
     let bar = bar(Some(0), CALLS_TEMPLATE);
     let fails = |file: &[u8]| {
         bar.inc(1);
-        symptom(file, &args.view, &ask(file)) == Some(found)
+        symptom(file, &args.view, &ask(file)).as_ref() == Some(&found)
     };
     let small = reduce::reduce(&file, &stop, &fails);
     bar.finish_and_clear();
@@ -117,15 +117,20 @@ fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
 const MAX_CAUSES: usize = 3;
 
 /// Describes how an answer differs from the reference. Returns `None` if it does not differ.
-fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<&'static str> {
-    match (crate::decode(file), answer) {
+fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<String> {
+    let symptom = match (crate::decode(file), answer) {
         (Ok(ptm), Answer::Decoded(frame)) => {
             let is_equivalent = equal_up_to_rounding(&Frame::render(&ptm, view), frame);
-            (!is_equivalent).then_some("a different image")
+            if is_equivalent {
+                return None;
+            }
+            "a different image"
         }
-        (Err(_), Answer::Decoded(_)) => Some("an image for a malformed file"),
-        (Ok(_), Answer::Rejected) => Some("a refusal of a legal file"),
-        (_, Answer::Rejected | Answer::Unsupported) => None,
-        (_, other) => Some(other.name()),
-    }
+        (Err(_), Answer::Decoded(_)) => "an image for a malformed file",
+        (Ok(_), Answer::Rejected) => "a refusal of a legal file",
+        (_, Answer::Rejected | Answer::Unsupported) => return None,
+        (_, Answer::TimedOut(limit)) => return Some(limit.to_string()),
+        (_, other) => other.name(),
+    };
+    Some(symptom.to_owned())
 }

@@ -31,7 +31,7 @@ pub struct ProbeArgs {
     /// The program is a writer (see check-writer).
     #[arg(long)]
     writer: bool,
-    /// Wall-clock limit for each call.
+    /// Wall-clock limit for each call in check; a call of probe may take three times as long.
     #[arg(long, value_name = "SECONDS", default_value_t = 10.0)]
     timeout: f64,
     /// The directory for files that show a fault; created if there are any.

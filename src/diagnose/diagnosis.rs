@@ -83,7 +83,7 @@ pub enum Category {
     Refusal,
     /// The decoder accepted malformed files.
     Acceptance,
-    /// The decoder crashed, hung or wrote a malformed frame for files that it must or may refuse.
+    /// The decoder crashed, exceeded a limit or wrote a malformed frame for files that it must or may refuse.
     Violation,
     /// The decoder output wrong images.
     Difference,

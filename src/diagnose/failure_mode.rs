@@ -3,21 +3,33 @@
 use std::fmt;
 
 use super::witness::Witness;
-use crate::protocol::frame::{Answer, ProcessEnd};
+use crate::protocol::frame::{Answer, ProcessEnd, TimeLimit};
 use crate::session::observation::Response;
 
 /// A response without an image. Two files fail in the same way if their failure modes are equal.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub(super) enum FailureMode {
     Refuses,
     Unsupported,
     /// Crash, with its details.
     Crashes(String),
-    Hangs,
+    /// Exceeded time limit. A file that was requested again has exceeded a higher one, so limits are not compared.
+    TimesOut(TimeLimit),
     /// Malformed frame, with its error message. Details of the message are removed.
     MalformedFrame(String),
     /// Another violation of the protocol.
     Other(&'static str),
+}
+
+impl PartialEq for FailureMode {
+    fn eq(&self, other: &FailureMode) -> bool {
+        match (self, other) {
+            (FailureMode::Crashes(a), FailureMode::Crashes(b))
+            | (FailureMode::MalformedFrame(a), FailureMode::MalformedFrame(b)) => a == b,
+            (FailureMode::Other(a), FailureMode::Other(b)) => a == b,
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
 }
 
 impl FailureMode {
@@ -28,7 +40,7 @@ impl FailureMode {
             Response::Rejected => FailureMode::Refuses,
             Response::Unsupported => FailureMode::Unsupported,
             Response::Violation(Answer::Crashed(status)) => FailureMode::Crashes(status.clone()),
-            Response::Violation(Answer::Hung(_)) => FailureMode::Hangs,
+            Response::Violation(Answer::TimedOut(limit)) => FailureMode::TimesOut(*limit),
             Response::Violation(Answer::ProtocolError(error)) => {
                 FailureMode::MalformedFrame(generalize(error))
             }
@@ -36,7 +48,7 @@ impl FailureMode {
         })
     }
 
-    /// Returns the failure modes of these witnesses, the most frequent first.
+    /// Returns the failure modes of these witnesses, the most frequent first. The time limit is one that all files exceeded.
     pub fn list_by_frequency(witnesses: &[Witness], indices: &[usize]) -> Vec<FailureMode> {
         let mut modes: Vec<(FailureMode, usize)> = Vec::new();
         for mode in indices
@@ -44,7 +56,14 @@ impl FailureMode {
             .filter_map(|&w| FailureMode::new(&witnesses[w]))
         {
             match modes.iter_mut().find(|(known, _)| *known == mode) {
-                Some((_, count)) => *count += 1,
+                Some((known, count)) => {
+                    *count += 1;
+                    if let (FailureMode::TimesOut(lowest), FailureMode::TimesOut(limit)) =
+                        (known, mode)
+                    {
+                        *lowest = limit.min(*lowest);
+                    }
+                }
                 None => modes.push((mode, 1)),
             }
         }
@@ -91,7 +110,7 @@ impl fmt::Display for FailureMode {
             FailureMode::Refuses => f.write_str("refuses"),
             FailureMode::Unsupported => f.write_str("exits with 69 (unsupported) on"),
             FailureMode::Crashes(status) => write!(f, "crashes ({status}) on"),
-            FailureMode::Hangs => f.write_str("does not terminate on"),
+            FailureMode::TimesOut(limit) => write!(f, "{limit} on"),
             FailureMode::MalformedFrame(error) => {
                 write!(f, "gives no valid answer ({error}) for")
             }

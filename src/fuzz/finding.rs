@@ -8,10 +8,10 @@ use arbitrary::Unstructured;
 use super::{draft::Draft, generator::random_bytes, minimize::minimize};
 use crate::diagnose::equal_up_to_rounding;
 use crate::misreadings::{self, Misreading};
-use crate::protocol::frame::{Answer, Frame, View};
+use crate::protocol::frame::{Answer, Frame, TimeLimit, View};
 use crate::reading::Reading;
 use crate::report::document::LikelyCause;
-use crate::runner::run::Request;
+use crate::runner::run::{AttemptKind, Request};
 use crate::session::asking::DecoderFn;
 use crate::session::observation::{Observation, Response};
 use crate::session::offer::Offer;
@@ -55,14 +55,17 @@ impl KnownDecoder<'_> {
     }
 
     pub(super) fn answer(&self, request: &DraftRequest) -> Answer {
+        self.answer_to(request, AttemptKind::Usual)
+    }
+
+    fn answer_to(&self, request: &DraftRequest, attempt: AttemptKind) -> Answer {
         let texels = (request.case.recipe()).map(|recipe| recipe.size.texels());
         let message = Request {
             name: &request.case.id,
             view: &request.view,
             file: &request.built.file,
             max_frame_bytes: 72 * texels.unwrap_or(0) + request.built.file.len(),
-            timeout_factor: 1,
-            needs_new_process: false,
+            attempt,
         };
         (self.ask)(&message, 0).answer
     }
@@ -94,6 +97,8 @@ pub enum Explanation {
     Misreading(Vec<&'static Misreading>),
     /// The decoder accepts a file with this damage.
     Accepts(&'static str),
+    /// The decoder exceeds this time limit.
+    TimedOut(TimeLimit),
     /// A symptom that no misreading explains: a wrong image, a refusal, or a crash with its message.
     Other(String),
 }
@@ -107,6 +112,9 @@ impl Explanation {
     ) -> Explanation {
         if let (Some(damage), Response::Image { .. }) = (draft.damage, &observation.response) {
             return Explanation::Accepts(damage.name);
+        }
+        if let Some(limit) = observation.response.time_limit() {
+            return Explanation::TimedOut(limit);
         }
         let other = Explanation::Other(response_symptom(&observation.response));
         let Some(request) = decoder.request(draft) else {
@@ -148,6 +156,7 @@ impl Explanation {
                 suspects.retain(|suspect| !is_explained || explains(suspect));
                 is_explained
             }),
+            Explanation::TimedOut(_) => observation.response.time_limit().is_some(),
             Explanation::Other(known) => *known == response_symptom(&observation.response),
         }
     }
@@ -158,6 +167,7 @@ impl Explanation {
         match self {
             Explanation::Misreading(suspects) => suspects[0].slug.to_owned(),
             Explanation::Accepts(damage) => format!("accepts-{damage}"),
+            Explanation::TimedOut(limit) => limit.to_string(),
             Explanation::Other(symptom) => symptom.clone(),
         }
     }
@@ -179,7 +189,7 @@ fn response_symptom(response: &Response) -> String {
         Response::Violation(answer) => answer.violation(),
         _ => None,
     };
-    symptom(response.name(), words)
+    symptom(response.name(), words.as_deref())
 }
 
 fn explains(
@@ -228,9 +238,22 @@ impl Finding {
         stop: &AtomicBool,
     ) -> Finding {
         distinguish_suspects(draft, &mut cause, decoder);
-        let small = minimize(draft, decoder.table, stop, &|smaller| {
+        let mut small = minimize(draft, decoder.table, stop, &|smaller| {
             fails_for_same_reason(smaller, &cause, decoder)
         });
+        // The original file exceeded the higher time limit, too.
+        let exceeds_higher_limit = |request: &DraftRequest| {
+            let answer = decoder.answer_to(request, AttemptKind::Alone);
+            matches!(answer, Answer::TimedOut(_))
+        };
+        if matches!(cause, Explanation::TimedOut(_))
+            && !decoder
+                .request(&small)
+                .as_ref()
+                .is_some_and(exceeds_higher_limit)
+        {
+            small = draft.clone();
+        }
         let request = decoder.request(&small);
         let answer = request.as_ref().map(|request| decoder.answer(request));
         Finding {
@@ -306,9 +329,10 @@ pub(super) fn fails_for_same_reason(
             let accepts = |request: &_| matches!(decoder.answer(request), Answer::Decoded(_));
             accepts(&request) && decoder.request(&legal).as_ref().is_some_and(accepts)
         }
+        Explanation::TimedOut(_) => matches!(decoder.answer(&request), Answer::TimedOut(_)),
         Explanation::Other(known) => {
             let answer = decoder.answer(&request);
-            let is_known = *known == symptom(answer.name(), answer.violation());
+            let is_known = *known == symptom(answer.name(), answer.violation().as_deref());
             is_known && !decoder.is_correct(&request, &answer)
         }
     }

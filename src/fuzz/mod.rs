@@ -47,6 +47,8 @@ pub struct FuzzPlan {
     pub declared: Capabilities,
     /// Formats to generate; if empty, all formats.
     pub formats: Vec<Format>,
+    /// Number of requests so far that exceeded the higher time limit; see [`RunPlan::unanswered`].
+    pub unanswered: Arc<AtomicUsize>,
     /// Set to true to stop the run.
     pub stop: Arc<AtomicBool>,
 }
@@ -63,7 +65,7 @@ pub struct FuzzResult {
     /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
     /// The reason why the run ended before its limit, if it did.
-    pub ended_early: Option<&'static str>,
+    pub ended_early: Option<String>,
 }
 
 /// A progress message.
@@ -121,6 +123,7 @@ fn run(suite: &Suite, plan: &FuzzPlan, ask: &DecoderFn) -> Run {
     let plan = RunPlan {
         views: plan.views.clone(),
         repeat: Repeat::Failures,
+        unanswered: Arc::clone(&plan.unanswered),
         stop: Arc::clone(&plan.stop),
         ..RunPlan::new(suite, plan.jobs).with_capabilities(&plan.declared)
     };

@@ -5,6 +5,7 @@
 
 use std::collections::HashSet;
 use std::sync::LazyLock;
+use std::time::Duration;
 
 use arbitrary::{Result, Unstructured};
 
@@ -16,8 +17,7 @@ use crate::fuzz::draft::Draft;
 use crate::generate::{Compression, Model, Recipe, Spelling, write};
 use crate::generate::{plan::Residuals, spelling::Lists};
 use crate::misreadings;
-use crate::protocol::frame::{Answer, Samples};
-use crate::protocol::frame::{Frame, View};
+use crate::protocol::frame::{Answer, Frame, Samples, TimeLimit, View};
 use crate::ptm::{Coding, Limits, Planes};
 use crate::reading::Reading;
 use crate::runner::run::{Reply, Request};
@@ -353,7 +353,7 @@ fn wrong_answer(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
         64..80 => Answer::Rejected,
         80..88 => Answer::Unsupported,
         88..96 => Answer::Crashed(format!("killed by signal {}", choice % 4)),
-        96..104 => Answer::Hung("10 s".to_owned()),
+        96..104 => Answer::TimedOut(TimeLimit(Duration::from_secs(10))),
         104..112 => change(&|i, sample| sample ^ (i as u8).wrapping_mul(choice)),
         112..128 => change(&|_, sample| sample.wrapping_add(choice)),
         128..136 => change(&|i, sample| sample * u8::from(i % 7 != usize::from(choice % 7))),

@@ -51,6 +51,7 @@ pub fn cause_text(finding: &Finding) -> String {
         Explanation::Accepts(damage) => {
             format!("A decoder accepts a file with this fault: {damage}.")
         }
+        Explanation::TimedOut(limit) => format!("A decoder {limit}."),
         Explanation::Other(symptom) => match &finding.diagnosis {
             Some(cause) => sentence(&cause.effect, &cause.clause),
             None => format!("A decoder fails: {symptom}."),

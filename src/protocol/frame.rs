@@ -8,10 +8,12 @@
 //!
 //! The samples follow texel by texel, top row first; `f32` is little-endian. Exit status: 0, 65 (malformed), 69 (unsupported).
 
+use std::borrow::Cow;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::io::{self, Write};
 use std::str::FromStr;
+use std::time::Duration;
 
 use data_encoding::HEXLOWER;
 use serde::de::Error as _;
@@ -504,8 +506,8 @@ pub enum Answer<T = Frame> {
     ProtocolError(String),
     /// The decoder was killed by a signal, or exited with any other status.
     Crashed(String),
-    /// The decoder did not answer before the timeout.
-    Hung(String),
+    /// The decoder exceeded this time limit.
+    TimedOut(TimeLimit),
     /// The decoder wrote more output than the largest possible frame for the file.
     Flooded(String),
     /// The decoder used more memory than allowed.
@@ -516,6 +518,18 @@ pub enum Answer<T = Frame> {
     NotStarted(String),
     /// This program could not send the request, so nothing is known about the decoder.
     NotAsked(String),
+}
+
+/// A wall-clock limit that a call exceeded. It is a fact about the run, not only about the decoder: the machine may be busy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct TimeLimit(pub Duration);
+
+impl fmt::Display for TimeLimit {
+    /// Writes a verb phrase that takes the decoder or the file as its subject.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let seconds = self.0.as_secs_f64();
+        write!(f, "exceeds the time limit of {seconds} s (`--timeout`)")
+    }
 }
 
 /// The way in which a crashed process ended. Its text form is part of the report format.
@@ -562,7 +576,7 @@ impl<T> Answer<T> {
             Answer::Unsupported => Answer::Unsupported,
             Answer::ProtocolError(details) => Answer::ProtocolError(details),
             Answer::Crashed(details) => Answer::Crashed(details),
-            Answer::Hung(details) => Answer::Hung(details),
+            Answer::TimedOut(limit) => Answer::TimedOut(limit),
             Answer::Flooded(details) => Answer::Flooded(details),
             Answer::OutOfMemory(details) => Answer::OutOfMemory(details),
             Answer::Tampered(details) => Answer::Tampered(details),
@@ -580,7 +594,7 @@ impl<T> Answer<T> {
             Answer::Unsupported => "unsupported",
             Answer::ProtocolError(_) => "protocol error",
             Answer::Crashed(_) => "crash",
-            Answer::Hung(_) => "hang",
+            Answer::TimedOut(_) => "timeout",
             Answer::Flooded(_) => "flood",
             Answer::OutOfMemory(_) => "out of memory",
             Answer::Tampered(_) => "tampering",
@@ -592,25 +606,26 @@ impl<T> Answer<T> {
     /// Returns the name of the answer. If the answer is a violation, the details follow.
     #[must_use]
     pub fn describe(&self) -> String {
-        match self.violation() {
-            Some(details) => format!("{}: {details}", self.name()),
-            None => self.name().to_owned(),
+        match (self, self.violation()) {
+            (Answer::TimedOut(limit), _) => limit.to_string(),
+            (_, Some(details)) => format!("{}: {details}", self.name()),
+            (_, None) => self.name().to_owned(),
         }
     }
 
     /// Returns the details of a violation, or `None` for an image or a refusal.
     #[must_use]
-    pub fn violation(&self) -> Option<&str> {
+    pub fn violation(&self) -> Option<Cow<'_, str>> {
         match self {
             Answer::Decoded(_) | Answer::Rejected | Answer::Unsupported => None,
+            Answer::TimedOut(limit) => Some(limit.to_string().into()),
             Answer::ProtocolError(details)
             | Answer::Crashed(details)
-            | Answer::Hung(details)
             | Answer::Flooded(details)
             | Answer::OutOfMemory(details)
             | Answer::Tampered(details)
             | Answer::NotStarted(details)
-            | Answer::NotAsked(details) => Some(details),
+            | Answer::NotAsked(details) => Some(details.into()),
         }
     }
 
@@ -621,7 +636,7 @@ impl<T> Answer<T> {
         let is_limit = |answer: &Answer<T>| {
             matches!(
                 answer,
-                Answer::Hung(_) | Answer::Flooded(_) | Answer::OutOfMemory(_)
+                Answer::TimedOut(_) | Answer::Flooded(_) | Answer::OutOfMemory(_)
             )
         };
         is_limit(self) && is_limit(other)

@@ -15,15 +15,15 @@ use crate::kit::strip_os_error_code;
 use crate::protocol::frame::Answer;
 use crate::report::shards::{self, AnswerRecord, OtherRemarks, RecordedAnswer, Shard, Trailer};
 use crate::report::{conclude::conclude, document::Report, reported::Reportable};
-use crate::runner::run::{Reply, Request};
+use crate::runner::run::{AttemptKind, Reply, Request};
 use crate::session::run::{Progress, Run, Session};
 use crate::session::{asking::ReplyTo, remark::Remark};
 use crate::suite::{cases::Suite, test_case::TestCase};
 
 /// Recorded answers of all parts of a run.
 pub struct RecordedAnswers<C: TestCase> {
-    /// Answers, keyed by file digest, view, and whether a new process was started for the request.
-    known: HashMap<(String, String, bool), RecordedAnswer<C::Output>>,
+    /// Answers, keyed by file digest, view, and kind of attempt.
+    known: HashMap<(String, String, AttemptKind), RecordedAnswer<C::Output>>,
     /// Trailer of the first part, with the remarks and the selected cases of all parts.
     trailer: Trailer,
 }
@@ -41,7 +41,7 @@ impl<C: Reportable> RecordedAnswers<C> {
             let (answers, end) = read(&shards::answers_path(report))
                 .map_err(|error| format!("{}: {error}", shards::answers_path(report).display()))?;
             for reply in answers {
-                let key = (reply.file.clone(), reply.view.clone(), reply.new_process);
+                let key = (reply.file.clone(), reply.view.clone(), reply.attempt);
                 known.insert(key, reply);
             }
             ends.push((report, end));
@@ -103,10 +103,8 @@ impl<C: Reportable> RecordedAnswers<C> {
     /// verdict did not require a repetition.
     fn find_reply(&self, suite: &Suite<C>, request: &Request<'_, C::View>) -> Option<ReplyTo<C>> {
         let file = shards::digest(request.file);
-        let key = |alone| (file.clone(), request.view.to_string(), alone);
-        let known = |alone| self.known.get(&key(alone));
-        let again = known(true).filter(|_| request.needs_new_process);
-        let record = again.or_else(|| known(false))?;
+        let known = |attempt| (self.known).get(&(file.clone(), request.view.to_string(), attempt));
+        let record = known(request.attempt).or_else(|| known(AttemptKind::Usual))?;
         let answer = match &record.answer {
             Some(answer) => answer.clone(),
             None => Answer::Decoded(suite.case(&record.case)?.expected_output(request.view)?),

@@ -15,12 +15,12 @@ use std::str::FromStr;
 use std::sync::Mutex;
 
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::kit::digest::sha256;
 use crate::protocol::frame::Answer;
-use crate::runner::run::Request;
+use crate::runner::run::{AttemptKind, Request};
 use crate::session::asking::ReplyTo;
 use crate::session::observation::{Observation, Response};
 use crate::session::{plan::RunPlan, remark::Remark};
@@ -120,9 +120,14 @@ pub struct RecordedAnswer<T> {
     pub file: String,
     /// Requested view.
     pub view: String,
-    /// True if a new process was started for the request, to check whether the answer differs.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not", rename = "alone")]
-    pub new_process: bool,
+    /// The kind of attempt.
+    #[serde(
+        default,
+        alias = "alone",
+        deserialize_with = "attempt",
+        skip_serializing_if = "is_usual"
+    )]
+    pub attempt: AttemptKind,
     /// Answer, or `None` if it equals the expected image.
     pub answer: Option<Answer<T>>,
     /// Exit status of the process.
@@ -137,6 +142,25 @@ pub struct RecordedAnswer<T> {
     /// Failed answer of the serving process, if a new process answered instead.
     #[serde(default, rename = "served", skip_serializing_if = "Option::is_none")]
     pub serve_mode_answer: Option<Answer<T>>,
+}
+
+/// Reads a kind of attempt. Older recordings have a flag instead, which is true for repetitions.
+fn attempt<'de, D: Deserializer<'de>>(deserializer: D) -> Result<AttemptKind, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged)]
+    enum Recorded {
+        IsRepetition(bool),
+        AttemptKind(AttemptKind),
+    }
+    Ok(match Recorded::deserialize(deserializer)? {
+        Recorded::IsRepetition(true) => AttemptKind::Repetition,
+        Recorded::IsRepetition(false) => AttemptKind::Usual,
+        Recorded::AttemptKind(attempt) => attempt,
+    })
+}
+
+fn is_usual(attempt: &AttemptKind) -> bool {
+    *attempt == AttemptKind::Usual
 }
 
 /// Line of an answer file.
@@ -190,7 +214,7 @@ impl<C: TestCase> AnswerRecorder<C> {
             case: request.name.to_owned(),
             file: digest(request.file),
             view: request.view.to_string(),
-            new_process: request.needs_new_process,
+            attempt: request.attempt,
             answer: Some(reply.answer.clone()),
             exit: reply.exit,
             stderr: reply.stderr.clone(),
@@ -198,13 +222,13 @@ impl<C: TestCase> AnswerRecorder<C> {
             serve_mode_answer: reply.serve_mode_answer.clone(),
         };
         let mut state = self.0.lock().expect("no worker panics");
-        if record.new_process {
-            state.write(&record);
-        } else {
+        if is_usual(&record.attempt) {
             let key = (record.case.clone(), record.view.clone());
             if let Some(before) = state.waiting.insert(key, record) {
                 state.write(&before);
             }
+        } else {
+            state.write(&record);
         }
     }
 

@@ -296,7 +296,7 @@ fn write_case(case: &CaseResult, texts: &SuiteTexts, out: &mut String) -> fmt::R
 /// A message, and the failures with that message.
 type SimilarFailures<'a> = (&'a str, Vec<&'a CaseResult>);
 
-/// Groups repeated crashes, timeouts and other violations by message. The second list contains all other failures.
+/// Groups repeated crashes, exceeded limits and other violations by message. The second list contains all other failures.
 fn group_violations<'a>(all: &[&'a CaseResult]) -> (Vec<SimilarFailures<'a>>, Vec<&'a CaseResult>) {
     let mut kinds: Vec<SimilarFailures> = Vec::new();
     let mut single = Vec::new();
@@ -318,5 +318,4 @@ fn group_violations<'a>(all: &[&'a CaseResult]) -> (Vec<SimilarFailures<'a>>, Ve
 
 /// Prefixes of messages about answers that are neither an image nor a refusal; see
 /// [`Answer::name`](crate::protocol::frame::Answer::name).
-const VIOLATION_PREFIXES: &str =
-    "protocol error: |crash: |hang: |flood: |out of memory: |tampering: |not started: ";
+const VIOLATION_PREFIXES: &str = "protocol error: |crash: |exceeds the time limit |flood: |out of memory: |tampering: |not started: ";

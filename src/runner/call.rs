@@ -10,6 +10,7 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
+use crate::protocol::frame::TimeLimit;
 use crate::runner::processes;
 
 /// Maximum number of bytes of standard error that are kept for the report.
@@ -25,7 +26,7 @@ pub const POLL_INTERVAL: Duration = Duration::from_millis(50);
 pub struct CallLimits<'a> {
     /// Maximum number of bytes on standard output.
     pub(crate) output: usize,
-    pub(crate) time: Duration,
+    pub(crate) time: TimeLimit,
     /// Maximum number of bytes of memory, summed over all processes of the call.
     pub(crate) memory: u64,
     /// Flag that stops the run.
@@ -50,7 +51,7 @@ pub struct Call {
 pub enum CallEnd {
     /// The process exited on its own.
     Exited(ExitStatus),
-    /// The process was killed because it exceeded the timeout.
+    /// The process was killed because it exceeded the time limit.
     OutOfTime,
     /// The process was killed because it used too much memory.
     OutOfMemory,
@@ -109,7 +110,7 @@ impl Call {
 
     /// Reads until the process ends. Returns the reason to kill the process if it reaches a limit.
     fn watch(&mut self, limits: &CallLimits, work_dir: &Path) -> io::Result<Option<CallEnd>> {
-        let deadline = Instant::now() + limits.time.min(MAX_WAIT);
+        let deadline = Instant::now() + limits.time.0.min(MAX_WAIT);
         let can_measure = processes::can_inspect_processes();
         let mut next_look = Instant::now() + POLL_INTERVAL;
         loop {

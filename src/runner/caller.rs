@@ -120,6 +120,7 @@ fn read_first_line(stream: &mut BufReader<UnixStream>) -> io::Result<(String, u6
 mod tests {
     use super::*;
     use crate::protocol::frame::Samples;
+    use crate::runner::run::AttemptKind;
 
     /// Returns the reply to a request for a map of one texel, answered with `answer`, and whether the run was stopped.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {
@@ -138,8 +139,7 @@ mod tests {
             view: &view,
             file: b"PTM",
             max_frame_bytes: 30,
-            timeout_factor: 1,
-            needs_new_process: false,
+            attempt: AttemptKind::Usual,
         });
         let mut asked = [0; 11];
         theirs.read_exact(&mut asked).expect("a request");

@@ -18,11 +18,14 @@ use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use rustix::process::Signal;
+use serde::{Deserialize, Serialize};
 
 use crate::kit::escape_controls;
 use crate::protocol::capabilities::Capabilities;
 use crate::protocol::forms;
-use crate::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, ProcessEnd, View};
+use crate::protocol::frame::{
+    Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, ProcessEnd, TimeLimit, View,
+};
 use crate::runner::call::{Call, CallEnd, CallLimits, CallOutput};
 use crate::runner::processes;
 use crate::runner::scratch::{Scratch, is_unchanged};
@@ -66,24 +69,47 @@ pub struct Request<'a, V = View> {
     pub file: &'a [u8],
     /// Maximum size of a frame of the file, in bytes.
     pub max_frame_bytes: usize,
-    /// Factor by which the timeout is multiplied. The first call gets more time, because the decoder may have to warm up.
-    pub timeout_factor: u32,
-    /// True to use a new process, even in serve mode.
-    pub needs_new_process: bool,
+    /// The kind of attempt, which determines the process and the time limit.
+    pub attempt: AttemptKind,
+}
+
+/// A kind of attempt to get an answer.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum AttemptKind {
+    /// The usual attempt: in serve mode, in the process that answered the previous request.
+    #[default]
+    Usual,
+    /// A repetition whose answer is compared with the first one: in one-shot mode, even if the decoder serves.
+    Repetition,
+    /// An attempt with a higher time limit while no other request is in progress: in a new process, also in serve mode.
+    Alone,
+}
+
+/// Factor by which the time limit of [`AttemptKind::Alone`] is higher.
+pub const ALONE_FACTOR: u32 = 3;
+
+impl AttemptKind {
+    /// Returns the time limit of this attempt. `timeout` is the usual time limit.
+    #[must_use]
+    pub const fn time_limit(self, timeout: Duration) -> TimeLimit {
+        TimeLimit(match self {
+            AttemptKind::Usual | AttemptKind::Repetition => timeout,
+            AttemptKind::Alone => timeout.saturating_mul(ALONE_FACTOR),
+        })
+    }
 }
 
 impl<'a, V> Request<'a, V> {
-    /// Creates a request to a new process, with the usual timeout.
+    /// Creates a request that is sent while no other request is in progress, so its time limit is higher than usual.
     #[must_use]
     pub const fn new(name: &'a str, view: &'a V, file: &'a [u8], max_frame_bytes: usize) -> Self {
-        let (timeout_factor, needs_new_process) = (1, true);
         Request {
             name,
             view,
             file,
             max_frame_bytes,
-            timeout_factor,
-            needs_new_process,
+            attempt: AttemptKind::Alone,
         }
     }
 
@@ -314,7 +340,7 @@ impl Decoder {
             Some(template) => template.command_words(&view, &input, work_dir),
             None => self.command_with(&[OsStr::new(&view), input.as_os_str()]),
         };
-        let time = self.timeout.saturating_mul(request.timeout_factor);
+        let time = request.attempt.time_limit(self.timeout);
         let mut result = self.run_command(&words, max_bytes, time, work_dir)?;
         if let (Ok(stdout), Some(file)) = (&mut result.output, &output_file) {
             result.stdout = std::mem::take(stdout);
@@ -338,7 +364,7 @@ impl Decoder {
         &self,
         words: &[OsString],
         max_bytes: usize,
-        time: Duration,
+        time: TimeLimit,
         work_dir: &Path,
     ) -> Result<CallResult, CallFailure> {
         let call = self.start_command(words, work_dir, Stdio::null())?;
@@ -397,7 +423,9 @@ impl Decoder {
             let workspace = scratch.workspace()?;
             let words = self.command_with(&[OsStr::new("capabilities")]);
             let max_bytes = MAX_CAPABILITIES_BYTES;
-            self.run_command(&words, max_bytes, self.timeout, &workspace.work_dir)
+            // This is the first call of a run, and the decoder may have to warm up.
+            let time = AttemptKind::Alone.time_limit(self.timeout);
+            self.run_command(&words, max_bytes, time, &workspace.work_dir)
         });
         Capabilities::read(&result.output.map_err(|answer| answer.describe())?)
     }
@@ -414,15 +442,12 @@ impl Decoder {
         let mut exit = None;
         let output = match result.ended {
             CallEnd::OutOfMemory => Err(self.out_of_memory_answer()),
-            CallEnd::Stopped => Err(Answer::Hung(STOPPED_MESSAGE.to_owned())),
+            CallEnd::Stopped => Err(Answer::NotAsked(STOPPED_MESSAGE.to_owned())),
             CallEnd::Flood => Err(Answer::Flooded(format!(
                 "more than {} bytes on standard output",
                 limits.output
             ))),
-            CallEnd::OutOfTime => Err(Answer::Hung(format!(
-                "no end within {} s",
-                limits.time.as_secs_f64()
-            ))),
+            CallEnd::OutOfTime => Err(Answer::TimedOut(limits.time)),
             CallEnd::Exited(status) => {
                 exit = status.code();
                 match self.failure_answer(status)? {

@@ -6,8 +6,9 @@
 //!                   SEQ reject 65
 //!                   SEQ unsupported FEATURE
 //! ```
-//! Each job has a separate process with one request in flight. If a process exits, hangs or answers out of order, it is
-//! killed, its request is repeated in one-shot mode, and the next request starts a new serving process.
+//! Each job has a separate process with one request in flight. If a process exits or answers out of order, it is killed, its
+//! request is repeated in one-shot mode, and the next request starts a new serving process. A process that exceeds the time limit
+//! is killed, too, but its request is not repeated here: the run repeats it later, in a new serving process.
 
 use std::ffi::OsStr;
 use std::fs;
@@ -15,16 +16,17 @@ use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
 use crate::kit::escape_controls;
-use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame};
+use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::processes;
 use crate::runner::run::{
-    CallFailure, Decoder, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE, describe_exit,
+    AttemptKind, CallFailure, Decoder, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE,
+    describe_exit,
 };
 use crate::runner::scratch::{Scratch, Workspace, is_unchanged};
 use crate::runner::trouble::Trouble;
@@ -33,6 +35,11 @@ use crate::runner::trouble::Trouble;
 enum NotServed {
     /// The serving process violated the protocol in this way.
     Violation(Answer),
+    /// The serving process exceeded this time limit. If `was_buffered`, it answered when its input was closed.
+    TimedOut {
+        limit: TimeLimit,
+        was_buffered: bool,
+    },
     /// This program could not do its part.
     Trouble,
 }
@@ -58,8 +65,11 @@ impl From<std::io::Error> for NotServed {
 
 /// Maximum length of the first line of an answer, in bytes.
 const MAX_LINE_LENGTH: usize = 1000;
-/// Maximum number of initial requests without an answer before serve mode is disabled.
+/// Maximum number of initial requests that serve mode fails to answer, although one-shot mode does, before it is disabled.
 const MAX_UNANSWERED_REQUESTS: usize = 2;
+/// Hint for a process that answers only at the end of its input.
+const BUFFERED_HINT: &str =
+    "; the answer came when standard input was closed, so flush standard output after each answer";
 /// Time that a process has to end or to flush its output after its standard input is closed.
 const GRACE_PERIOD: Duration = Duration::from_secs(2);
 
@@ -70,8 +80,10 @@ pub struct Servers<'a> {
     jobs: Vec<Mutex<Option<Server<'a>>>>,
     /// Number of answered requests, across all processes.
     answered_count: AtomicUsize,
-    /// Number of unanswered requests, counted until the first answer.
+    /// Number of requests that only one-shot mode answered, counted until the first answer in serve mode.
     unanswered_count: AtomicUsize,
+    /// The reason why serve mode is disabled, if it is.
+    failure: OnceLock<String>,
 }
 
 impl<'a> Servers<'a> {
@@ -84,17 +96,20 @@ impl<'a> Servers<'a> {
             jobs: (0..jobs).map(|_| Mutex::default()).collect(),
             answered_count: AtomicUsize::new(0),
             unanswered_count: AtomicUsize::new(0),
+            failure: OnceLock::new(),
         }
     }
 
-    /// Sends a request to the process of `job`. Uses a new process if the request needs one or serve mode is disabled.
+    /// Sends a request to the process of `job`, or to a new one that is not kept if it is sent alone. Uses one-shot mode for
+    /// repetitions, and if serve mode is disabled.
     #[must_use]
     pub fn ask(&self, request: &Request, job: usize) -> Reply {
-        if request.needs_new_process || self.is_serve_mode_disabled() {
+        if request.attempt == AttemptKind::Repetition || self.failure().is_some() {
             return self.decoder.ask(request, self.scratch);
         }
+        let is_alone = request.attempt == AttemptKind::Alone;
         let mut place = self.jobs[job].lock().expect("no request panics");
-        let started = match place.take() {
+        let started = match place.take_if(|_| !is_alone) {
             Some(server) => Ok(server),
             None => Server::start(self.decoder, self.scratch),
         };
@@ -103,10 +118,12 @@ impl<'a> Servers<'a> {
             return self.decoder.ask(request, self.scratch);
         };
         let previous_request = server.last_request.replace(request.name.to_owned());
-        let served = match server.ask(request, self.decoder) {
+        let (served, reason) = match server.ask(request, self.decoder) {
             Ok(reply) => {
                 self.answered_count.fetch_add(1, Ordering::Relaxed);
-                *place = Some(server);
+                if !is_alone {
+                    *place = Some(server);
+                }
                 return Reply {
                     previous_request,
                     ..reply
@@ -116,29 +133,54 @@ impl<'a> Servers<'a> {
                 drop(server);
                 return self.decoder.ask(request, self.scratch);
             }
-            Err(NotServed::Violation(served)) => served,
+            Err(NotServed::Violation(served)) => {
+                let reason = served.describe();
+                (served, reason)
+            }
+            Err(NotServed::TimedOut {
+                limit,
+                was_buffered,
+            }) => {
+                let hint = if was_buffered { BUFFERED_HINT } else { "" };
+                (Answer::TimedOut(limit), format!("it {limit}{hint}"))
+            }
         };
         drop(server);
-        if self.answered_count.load(Ordering::Relaxed) == 0 {
-            self.unanswered_count.fetch_add(1, Ordering::Relaxed);
-        }
-        let stopped = self.decoder.stop.load(Ordering::Relaxed);
-        let alone = match stopped {
-            true => served.clone().into(),
-            false => self.decoder.ask(request, self.scratch),
-        };
-        // If the decoder also fails on this file in one-shot mode, serve mode is not the cause.
-        let serve_mode_answer = alone.answer.violation().is_none().then_some(served);
         Reply {
             previous_request,
-            serve_mode_answer,
-            ..alone
+            ..self.reply_after_failure(request, served, reason)
         }
     }
 
-    /// Returns true if serve mode is disabled because the first requests received no answer.
-    pub(crate) fn is_serve_mode_disabled(&self) -> bool {
-        self.unanswered_count.load(Ordering::Relaxed) >= MAX_UNANSWERED_REQUESTS
+    /// Returns the reply to a request that serve mode failed to answer: `served`, for this `reason`, or the answer in one-shot mode.
+    fn reply_after_failure(&self, request: &Request, served: Answer, reason: String) -> Reply {
+        let has_answered = self.answered_count.load(Ordering::Relaxed) > 0;
+        let timed_out = matches!(served, Answer::TimedOut(_));
+        // A slow answer does not mean that serve mode fails, unless it never answered, even with a higher limit.
+        let is_alone = request.attempt == AttemptKind::Alone;
+        let is_undecided = timed_out && (!is_alone || has_answered);
+        if is_undecided || self.decoder.stop.load(Ordering::Relaxed) {
+            return served.into();
+        }
+        let one_shot = self.decoder.ask(request, self.scratch);
+        // If the decoder also fails on this file in one-shot mode, serve mode is not the cause.
+        let is_cause = one_shot.answer.violation().is_none();
+        if is_cause && !has_answered {
+            let before = self.unanswered_count.fetch_add(1, Ordering::Relaxed);
+            if timed_out || before + 1 == MAX_UNANSWERED_REQUESTS {
+                let _ = self.failure.set(reason);
+            }
+        }
+        Reply {
+            serve_mode_answer: (is_cause && !timed_out).then_some(served),
+            ..one_shot
+        }
+    }
+
+    /// Returns the reason why serve mode is disabled, if it never answered.
+    #[must_use]
+    pub fn failure(&self) -> Option<&str> {
+        self.failure.get().map(String::as_str)
     }
 }
 
@@ -223,8 +265,8 @@ impl<'a> Server<'a> {
         decoder: &Decoder,
     ) -> Result<Answer, NotServed> {
         let max_bytes = request.max_answer_bytes();
-        let limit = decoder.timeout.saturating_mul(request.timeout_factor);
-        let deadline = Instant::now() + limit.min(MAX_WAIT);
+        let limit = request.attempt.time_limit(decoder.timeout);
+        let deadline = Instant::now() + limit.0.min(MAX_WAIT);
         let line = [
             format!("{} {} ", self.sequence, request.view).as_bytes(),
             input.as_os_str().as_bytes(),
@@ -246,10 +288,14 @@ impl<'a> Server<'a> {
             }
             let left = deadline.saturating_duration_since(Instant::now());
             if left.is_zero() {
-                return Err(self.timeout_answer(max_bytes, limit, decoder).into());
+                let is_alone = request.attempt == AttemptKind::Alone;
+                return Err(NotServed::TimedOut {
+                    limit,
+                    was_buffered: is_alone && self.answers_at_end_of_input(max_bytes, decoder),
+                });
             }
             if decoder.stop.load(Ordering::Relaxed) {
-                return Err(Answer::Hung(STOPPED_MESSAGE.to_owned()).into());
+                return Err(Answer::NotAsked(STOPPED_MESSAGE.to_owned()).into());
             }
             self.check_memory(decoder)?;
             let writing = self.stdin.as_ref().filter(|_| !unsent.is_empty());
@@ -259,7 +305,7 @@ impl<'a> Server<'a> {
         }
     }
 
-    /// Sends as much as possible without blocking. The timeout detects a process that does not read its input.
+    /// Sends as much as possible without blocking. The time limit also applies to a process that does not read its input.
     fn send_request(&self, unsent: &mut &[u8]) -> std::io::Result<()> {
         while let (false, Some(stdin)) = (unsent.is_empty(), &self.stdin) {
             match rustix::io::write(stdin, unsent) {
@@ -317,26 +363,20 @@ impl<'a> Server<'a> {
         ))
     }
 
-    /// Returns the answer for a timeout. If the process answers only after its input is closed, it was buffering its output.
-    fn timeout_answer(&mut self, max_bytes: usize, limit: Duration, decoder: &Decoder) -> Answer {
+    /// Closes the input of the process. Returns true if the process answers then, so it was buffering its output.
+    fn answers_at_end_of_input(&mut self, max_bytes: usize, decoder: &Decoder) -> bool {
         drop(self.stdin.take());
         let deadline = Instant::now() + GRACE_PERIOD;
-        let mut was_buffered = false;
-        while !was_buffered && Instant::now() < deadline {
+        while Instant::now() < deadline {
             let ended = self.call.has_ended();
-            was_buffered = matches!(self.read_answer(max_bytes, decoder), Ok(Some(_)));
+            if matches!(self.read_answer(max_bytes, decoder), Ok(Some(_))) {
+                return true;
+            }
             if ended || self.call.wait_for_event(None, POLL_INTERVAL).is_err() {
                 break;
             }
         }
-        let limit = limit.as_secs_f64();
-        Answer::Hung(if was_buffered {
-            format!(
-                "no answer within {limit} s; the answer came when standard input was closed, so flush standard output after each answer"
-            )
-        } else {
-            format!("no answer within {limit} s")
-        })
+        false
     }
 }
 

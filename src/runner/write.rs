@@ -7,7 +7,7 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 
 use crate::protocol::frame::Answer;
-use crate::runner::run::{CallFailure, CallResult, Decoder, INPUT_CHANGED_MESSAGE};
+use crate::runner::run::{AttemptKind, CallFailure, CallResult, Decoder, INPUT_CHANGED_MESSAGE};
 use crate::runner::scratch::{Scratch, is_unchanged};
 use crate::runner::template::Template;
 
@@ -33,8 +33,8 @@ pub struct WriteCall<'a> {
     pub values: &'a [(&'static str, String)],
     /// Maximum size of the written file, in bytes.
     pub max_bytes: usize,
-    /// Factor by which the timeout is multiplied.
-    pub timeout_factor: u32,
+    /// The kind of attempt, which determines the time limit.
+    pub attempt: AttemptKind,
 }
 
 impl Decoder {
@@ -82,7 +82,7 @@ impl Decoder {
         let output = template.output_file(&work_dir)?;
         let output = output.expect("a writer's template names the output file");
         let words = template.command_words_with_values(&input, &work_dir, &values);
-        let time = self.timeout.saturating_mul(call.timeout_factor);
+        let time = call.attempt.time_limit(self.timeout);
         let mut result = self.run_command(&words, 1 << 20, time, &work_dir)?;
         result.stderr = workspace.strip_directories(&result.stderr);
         if output.is_longer_than(call.max_bytes) {

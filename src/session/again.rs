@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
-use crate::protocol::frame::Answer;
+use crate::runner::run::AttemptKind;
 use crate::session::asking::{CountCallback, Session, previous_request_text};
 use crate::session::judge::Judgment;
 use crate::session::observation::{Nondeterminism, Observation, Response};
@@ -36,9 +36,11 @@ impl<C: TestCase> Session<'_, C> {
             let (Some(observation), Some(judged)) = (&observations[i], &judgment.cases[i]) else {
                 return false;
             };
-            // Repeating a timeout would take too long. If two responses already differ, the case is decided.
+            // A request that exceeded the time limit has been repeated already, and would probably exceed it again. If two
+            // responses already differ, the case is decided.
             let is_settled = observation.nondeterminism.is_some()
-                || matches!(observation.response, Response::Violation(Answer::Hung(_)));
+                || observation.attempt == AttemptKind::Alone
+                || observation.response.time_limit().is_some();
             // The sample includes the first legal case of each unsupported kind.
             let cases = &self.suite.cases;
             let is_first_unsupported = || {
@@ -83,6 +85,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Repeats each case in `case_indices` in a new process. If the response differs, repeats the case once more, to distinguish
     /// a decoder with random responses from one whose serve mode differs. Records differences and returns true if there are any.
+    /// A repetition that exceeds the time limit says nothing about the decoder, so it is ignored.
     fn repeat_in_new_processes(
         &self,
         table: TableSpelling,
@@ -98,29 +101,38 @@ impl<C: TestCase> Session<'_, C> {
             let first = lock().0[index].clone();
             let mut first = first.expect("only observations are repeated");
             let case = &self.suite.cases[index];
-            let ask = || self.request(case, &first.view, table, worker, None).0;
-            let alone = ask();
+            let ask = || {
+                let repetition = AttemptKind::Repetition;
+                let (observation, _) = self.request(case, &first.view, table, worker, repetition);
+                Some(observation).filter(|seen| seen.response.time_limit().is_none())
+            };
+            let repeated = ask();
             // A crash, a timeout or truncated output may have happened only to that process.
             let is_no_answer =
                 |seen: &Observation<C>| matches!(seen.response, Response::Violation(_));
-            let differs = !alone.response.is_equivalent(&first.response);
-            let is_doubtful = is_serving || is_no_answer(&alone) != is_no_answer(&first);
-            let once_more = (differs && is_doubtful).then(ask);
-            if self.is_over() {
+            let differing = repeated
+                .as_ref()
+                .filter(|last| !last.response.is_equivalent(&first.response));
+            let is_doubtful = |last| is_serving || is_no_answer(last) != is_no_answer(&first);
+            let once_more = differing
+                .filter(|last| is_doubtful(last))
+                .and_then(|_| ask());
+            if self.is_interrupted() {
                 return false;
             }
-            if differs {
-                let varies = |last: &Observation<C>| !last.response.is_equivalent(&alone.response);
-                let in_serve_mode = is_serving && !once_more.as_ref().is_some_and(varies);
-                let message = difference(in_serve_mode, &first, &alone, once_more.as_ref());
+            let differs = differing.is_some();
+            if let Some(last) = differing {
+                let agrees = |seen: &Observation<C>| seen.response.is_equivalent(&last.response);
+                let in_serve_mode = is_serving && once_more.as_ref().is_some_and(agrees);
+                let message = difference(in_serve_mode, &first, last, once_more.as_ref());
                 first.nondeterminism = Some(Nondeterminism {
                     in_serve_mode,
                     message,
                 });
             }
             // A serving process may not have printed anything about this file yet.
-            if first.stderr.is_empty() {
-                first.stderr = alone.stderr;
+            if let (true, Some(repeated)) = (first.stderr.is_empty(), repeated) {
+                first.stderr = repeated.stderr;
             }
             let (observations, done, differ) = &mut *lock();
             observations[index] = Some(first);

@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use crate::kit::parallel::run_on_threads;
 use crate::protocol::frame::Answer;
-use crate::runner::run::{Reply, Request};
+use crate::runner::run::{AttemptKind, Reply, Request};
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::tally::Tally;
@@ -36,6 +36,9 @@ pub struct UndoneTransform<C: TestCase> {
     /// Maps a received output to the output before the transform.
     pub undo: Arc<UndoFn<C::Output>>,
 }
+
+/// Maximum number of requests that may exceed the higher time limit. Then, no more requests are repeated with it.
+const MAX_UNANSWERED: usize = 5;
 
 /// A run in progress: the decoder, the plan, and a count of the requests.
 pub struct Session<'a, C: TestCase> {
@@ -65,15 +68,19 @@ impl<'a, C: TestCase> Session<'a, C> {
         self.end_reason().is_some()
     }
 
-    pub(super) fn end_reason(&self) -> Option<&'static str> {
-        let (stop, hangs) = (&self.plan.stop, &self.tally.too_many_hangs);
-        match (stop.load(Ordering::Relaxed), hangs.load(Ordering::Relaxed)) {
-            (true, _) => Some("the run was interrupted"),
-            (false, true) => {
-                Some("the run ended early: the decoder hung on three legal files in a row")
-            }
-            (false, false) => None,
+    pub(super) fn end_reason(&self) -> Option<String> {
+        if self.is_interrupted() {
+            return Some("the run was interrupted".to_owned());
         }
+        let limit = self.tally.exceeded_limit.get()?;
+        Some(format!(
+            "the run ended early: the decoder {limit} on three legal files in a row"
+        ))
+    }
+
+    /// Returns true if the user has ended the run.
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.plan.stop.load(Ordering::Relaxed)
     }
 
     /// Returns the number of requests so far.
@@ -89,27 +96,68 @@ impl<'a, C: TestCase> Session<'a, C> {
         view: &C::View,
         table: TableSpelling,
         worker: usize,
+        attempt: AttemptKind,
     ) -> (Observation<C>, ReplyTo<C>) {
-        // The decoder may have to warm up in the first call.
-        let timeout_factor = match self.tally.calls.fetch_add(1, Ordering::Relaxed) {
-            0 => 3,
-            _ => 1,
-        };
-        let (observation, reply) = self.request(case, view, table, worker, Some(timeout_factor));
-        if reply.answer.violation().is_some() || reply.serve_mode_answer.is_some() {
+        self.tally.calls.fetch_add(1, Ordering::Relaxed);
+        let (observation, reply) = self.request(case, view, table, worker, attempt);
+        if is_violation(&reply) {
             self.tally.violations.fetch_add(1, Ordering::Relaxed);
+        }
+        if let (AttemptKind::Usual, Some(limit)) = (attempt, observation.response.time_limit()) {
+            let _ = self.tally.usual_limit.set(limit);
         }
         (observation, reply)
     }
 
-    /// Sends a request without counting it. If `timeout_factor` is `None`, the request goes to a new process.
+    /// Requests a file that has exceeded the time limit once more, alone and with a higher limit. Returns `None` if the run was
+    /// interrupted, or if too many requests have exceeded the higher limit. The caller must not send other requests in parallel.
+    pub(super) fn observe_alone(
+        &self,
+        case: &C,
+        view: &C::View,
+        table: TableSpelling,
+    ) -> Option<(Observation<C>, ReplyTo<C>)> {
+        if self.plan.unanswered.load(Ordering::Relaxed) >= MAX_UNANSWERED || self.is_interrupted() {
+            return None;
+        }
+        let (observation, reply) = self.request(case, view, table, 0, AttemptKind::Alone);
+        if self.is_interrupted() {
+            return None;
+        }
+        if !is_violation(&reply) {
+            self.tally.violations.fetch_sub(1, Ordering::Relaxed);
+        }
+        if observation.response.time_limit().is_none() {
+            self.tally.record_slow_file(case.id());
+        }
+        Some((observation, reply))
+    }
+
+    /// Requests `case` while no other request is in progress. If it exceeds the time limit, requests it once more.
+    pub(super) fn observe_patiently(
+        &self,
+        case: &C,
+        view: &C::View,
+        table: TableSpelling,
+    ) -> Observation<C> {
+        let (observation, _) = self.observe(case, view, table, 0, AttemptKind::Usual);
+        match observation
+            .is_open()
+            .then(|| self.observe_alone(case, view, table))
+        {
+            Some(Some((patient, _))) => patient,
+            _ => observation,
+        }
+    }
+
+    /// Sends a request without counting it.
     pub(super) fn request(
         &self,
         case: &C,
         view: &C::View,
         table: TableSpelling,
         worker: usize,
-        timeout_factor: Option<u32>,
+        attempt: AttemptKind,
     ) -> (Observation<C>, ReplyTo<C>) {
         let built = case.make(table);
         let request = Request {
@@ -117,10 +165,12 @@ impl<'a, C: TestCase> Session<'a, C> {
             view,
             file: C::file(&built),
             max_frame_bytes: case.max_output_bytes(&built),
-            timeout_factor: timeout_factor.unwrap_or(1),
-            needs_new_process: timeout_factor.is_none(),
+            attempt,
         };
         let reply = (self.ask)(&request, worker);
+        if attempt == AttemptKind::Alone && is_timeout(&reply) {
+            self.plan.unanswered.fetch_add(1, Ordering::Relaxed);
+        }
         let response = match &reply.answer {
             Answer::Rejected => Response::Rejected,
             Answer::Unsupported => Response::Unsupported,
@@ -147,6 +197,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             response,
             weak: reply.is_ambiguous_refusal(),
             stderr: reply.stderr.clone(),
+            attempt,
             previous_request: reply.previous_request.clone(),
             nondeterminism: serve_mode_failure(&reply),
         };
@@ -170,16 +221,21 @@ impl<'a, C: TestCase> Session<'a, C> {
     }
 }
 
-/// Returns true if a call timed out, even if a new process answered afterward.
-pub(super) fn is_hang<T>(reply: &Reply<T>) -> bool {
-    let mut answers = reply.serve_mode_answer.iter().chain([&reply.answer]);
-    answers.any(|answer| matches!(answer, Answer::Hung(_)))
+/// Returns true if the request exceeded its time limit.
+pub(super) const fn is_timeout<T>(reply: &Reply<T>) -> bool {
+    matches!(reply.answer, Answer::TimedOut(_))
 }
 
-/// Returns the failure of a serving process, if a new process then answered within the limits.
+/// Returns true if a call ended in neither a frame nor a refusal, or a serving process did not answer.
+fn is_violation<T>(reply: &Reply<T>) -> bool {
+    reply.answer.violation().is_some() || reply.serve_mode_answer.is_some()
+}
+
+/// Returns the failure of a serving process, if a new process then answered within the limits. An exceeded time limit is not a
+/// failure of serve mode.
 pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
     let served = reply.serve_mode_answer.as_ref()?;
-    if served.is_same_kind_as(&reply.answer) {
+    if served.is_same_kind_as(&reply.answer) || matches!(served, Answer::TimedOut(_)) {
         return None;
     }
     let after = previous_request_text(reply.previous_request.as_ref());

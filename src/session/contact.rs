@@ -1,13 +1,13 @@
 //! First contact: requests for the first files in every view, and the features that the decoder offers.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::Mutex;
 
 use crate::protocol::frame::{Answer, Frame, View};
-use crate::runner::run::Reply;
-use crate::session::asking::{ReplyTo, Session, is_hang, serve_mode_failure};
+use crate::runner::run::{AttemptKind, Reply};
+use crate::session::asking::{ReplyTo, Session, is_timeout, serve_mode_failure};
 use crate::session::observation::Response;
-use crate::session::{offer::Offer, plan::Repeat, remark::Remark, tally::HangWatch};
+use crate::session::{offer::Offer, plan::Repeat, remark::Remark, tally::TimeoutWatch};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::{compare::Expected, dialect::RightDialects, test_case::TestCase};
 
@@ -20,6 +20,8 @@ pub struct FirstFile<C: TestCase = Case> {
     pub view: C::View,
     /// The reply.
     pub reply: ReplyTo<C>,
+    /// The kind of attempt that resulted in this reply.
+    pub attempt: AttemptKind,
 }
 
 impl<C: TestCase> FirstFile<C> {
@@ -86,7 +88,7 @@ pub struct Contact<C: TestCase = Case> {
     /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
     /// Reason why no case is requested, if something must be fixed first.
-    pub end_reason: Option<&'static str>,
+    pub end_reason: Option<String>,
 }
 
 impl<C: TestCase> Contact<C> {
@@ -102,9 +104,12 @@ impl<C: TestCase> Session<'_, C> {
     pub fn first_contact(&self) -> Contact<C> {
         let first = self.first_files();
         // Report the first file that was not answered in serve mode.
-        let trouble = first.iter().find_map(|FirstFile { case, view, reply }| {
-            let (case, failure) = (&self.suite.cases[*case], serve_mode_failure(reply)?);
-            let says = format!("{} in {view}, {}", case.id(), failure.message);
+        let trouble = first.iter().find_map(|first| {
+            let (case, failure) = (
+                &self.suite.cases[first.case],
+                serve_mode_failure(&first.reply)?,
+            );
+            let says = format!("{} in {}, {}", case.id(), first.view, failure.message);
             Some(Remark::failure(says))
         });
         let mut remarks: Vec<Remark> = trouble.into_iter().collect();
@@ -142,51 +147,164 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Requests the first files in all possible views: one after another until a file is decoded, then with all jobs in parallel.
-    /// A serving process receives all requests in order. After a timeout, the other views of the same file are requested last.
+    /// A serving process receives all requests in order. Until the decoder has answered once, it may have to warm up, so requests
+    /// have the higher time limit. If a file exceeds the limit, its other views are requested last.
+    ///
+    /// After three consecutive files that exceed the limit, one of them after the other is requested alone until one is answered.
+    /// If none is, the run ends. At the end, all requests that exceeded the usual limit are repeated alone.
     fn first_files(&self) -> Vec<FirstFile<C>> {
-        let (suite, plan) = (self.suite, self.plan);
-        let cases = suite.cases.iter().enumerate();
-        let first =
-            cases.filter(|&(i, case)| case.is_first() && plan.is_requested(i) && !plan.precomputed);
-        let in_views = first.flat_map(|(i, case)| case.views().iter().map(move |view| (i, view)));
-        let mut work: Vec<(usize, &C::View)> = in_views.collect();
-        work.retain(|(_, view)| plan.allows_view(C::view_name(view)));
-        let mut cases: Vec<usize> = work.iter().map(|&(case, _)| case).collect();
+        let requests = self.first_requests();
+        let mut cases: Vec<usize> = requests.iter().map(|&(case, _)| case).collect();
         cases.dedup();
-        let watch = HangWatch::new(cases);
-        let ask = |(case, view): (usize, &C::View), worker| {
-            let (_, reply) =
-                self.observe(&suite.cases[case], view, TableSpelling::default(), worker);
-            watch.record_answer(case, is_hang(&reply), &self.tally);
-            let view = view.clone();
-            FirstFile { case, view, reply }
-        };
-        let in_order = plan.repeat == Repeat::FailuresAndSample;
+        let mut watch = TimeoutWatch::new(cases.clone());
+        let in_order = self.plan.repeat == Repeat::FailuresAndSample;
         let mut replies: Vec<FirstFile<C>> = Vec::new();
         let mut left = Vec::new();
-        for (case, view) in work {
-            let hung = |first: &FirstFile<C>| first.case == case && is_hang(&first.reply);
+        for (case, view) in requests {
+            let is_slow = |first: &FirstFile<C>| first.case == case && is_timeout(&first.reply);
             let decoded = replies.iter().any(FirstFile::is_decoded);
-            if decoded && !in_order || replies.last().is_some_and(hung) {
+            if decoded && !in_order || replies.last().is_some_and(is_slow) {
                 left.push((case, view));
                 continue;
             }
-            let first = ask((case, view), 0);
-            let hopeless = matches!(first.reply.answer, Answer::NotStarted(_)) || self.is_over();
+            let attempt = match replies.iter().all(|first| is_timeout(&first.reply)) {
+                true => AttemptKind::Alone,
+                false => AttemptKind::Usual,
+            };
+            let first = self.request_first_file(case, view, 0, attempt);
+            watch.record(case, is_timeout(&first.reply));
+            let is_hopeless = matches!(first.reply.answer, Answer::NotStarted(_));
             replies.push(first);
-            if hopeless {
+            if is_hopeless || self.is_interrupted() {
                 return replies;
             }
+            if let Some(slow) = watch.consecutive() {
+                if !self.any_is_answered(slow, &mut replies.iter_mut().collect::<Vec<_>>()) {
+                    return replies;
+                }
+                let last = slow[slow.len() - 1];
+                cases.retain(|&case| case > last);
+                watch = TimeoutWatch::new(cases.clone());
+            }
         }
-        let others = Mutex::new(BTreeMap::new());
-        self.run_in_parallel(left.len(), |place, worker| {
-            let first = ask(left[place], worker);
-            let mut others = others.lock().expect("no worker panics");
-            others.insert(place, first);
-            !self.is_over()
-        });
-        replies.extend(others.into_inner().expect("no worker panics").into_values());
+        self.request_other_views(&left, &watch, &mut replies);
         replies
+    }
+
+    /// Returns the first files and the views in which they are requested.
+    fn first_requests(&self) -> Vec<(usize, &C::View)> {
+        let cases = self.suite.cases.iter().enumerate();
+        let is_requested = |i| self.plan.is_requested(i) && !self.plan.precomputed;
+        let first = cases.filter(|&(i, case)| case.is_first() && is_requested(i));
+        first
+            .flat_map(|(i, case)| case.views().iter().map(move |view| (i, view)))
+            .filter(|(_, view)| self.plan.allows_view(C::view_name(view)))
+            .collect()
+    }
+
+    /// Sends the remaining requests in parallel, and repeats all that exceeded the usual time limit.
+    fn request_other_views(
+        &self,
+        requests: &[(usize, &C::View)],
+        watch: &TimeoutWatch,
+        replies: &mut Vec<FirstFile<C>>,
+    ) {
+        let mut others: Vec<Option<FirstFile<C>>> = requests.iter().map(|_| None).collect();
+        self.request_first_files(requests, &mut others, Some(watch));
+        if let Some(slow) = watch.consecutive() {
+            let known = replies.iter_mut().chain(others.iter_mut().flatten());
+            if self.any_is_answered(slow, &mut known.collect::<Vec<_>>()) {
+                self.request_first_files(requests, &mut others, None);
+            }
+        }
+        replies.extend(others.into_iter().flatten());
+        if self.is_over() {
+            return;
+        }
+        let open = replies.iter().filter(|first| is_timeout(&first.reply));
+        let open: BTreeSet<usize> = open.map(|first| first.case).collect();
+        for case in open {
+            self.repeat_first_file(case, &mut replies.iter_mut().collect::<Vec<_>>());
+        }
+    }
+
+    fn request_first_file(
+        &self,
+        case: usize,
+        view: &C::View,
+        worker: usize,
+        attempt: AttemptKind,
+    ) -> FirstFile<C> {
+        let (table, view) = (TableSpelling::default(), view.clone());
+        let (_, reply) = self.observe(&self.suite.cases[case], &view, table, worker, attempt);
+        FirstFile {
+            case,
+            view,
+            reply,
+            attempt,
+        }
+    }
+
+    /// Requests first files in parallel, except those that already have a reply, until `watch` finds consecutive files that exceed
+    /// the time limit.
+    fn request_first_files(
+        &self,
+        requests: &[(usize, &C::View)],
+        replies: &mut [Option<FirstFile<C>>],
+        watch: Option<&TimeoutWatch>,
+    ) {
+        let replies = Mutex::new(replies);
+        self.run_in_parallel(requests.len(), |place, worker| {
+            let lock = || replies.lock().expect("no worker panics");
+            let (case, view) = requests[place];
+            if lock()[place].is_some() {
+                return true;
+            }
+            if self.is_interrupted() || watch.is_some_and(|watch| watch.is_after(case)) {
+                return false;
+            }
+            let first = self.request_first_file(case, view, worker, AttemptKind::Usual);
+            if let Some(watch) = watch {
+                watch.record(case, is_timeout(&first.reply));
+            }
+            lock()[place] = Some(first);
+            true
+        });
+    }
+
+    /// Repeats requests for these files alone, one file after the other, until one is answered. If none is, the run ends.
+    fn any_is_answered(&self, slow: &[usize], replies: &mut [&mut FirstFile<C>]) -> bool {
+        let mut files = slow.iter();
+        let is_answered = files.any(|&case| self.repeat_first_file(case, replies) == Some(true));
+        if !is_answered && !self.is_interrupted() {
+            let of_file = replies.iter().filter(|first| slow.contains(&first.case));
+            let limits = of_file.filter_map(|first| match first.reply.answer {
+                Answer::TimedOut(limit) => Some(limit),
+                _ => None,
+            });
+            let limit = limits.min().expect("the files exceeded a time limit");
+            let _ = self.tally.exceeded_limit.set(limit);
+        }
+        is_answered
+    }
+
+    /// Repeats the requests for a file that exceeded the usual time limit, each alone and with a higher limit. Returns true if all
+    /// were answered, false after the first that exceeds this limit, too, and `None` if no request may be repeated.
+    fn repeat_first_file(&self, case: usize, replies: &mut [&mut FirstFile<C>]) -> Option<bool> {
+        for first in replies {
+            if first.case != case || !is_timeout(&first.reply) {
+                continue;
+            }
+            if first.attempt == AttemptKind::Usual {
+                let (file, table) = (&self.suite.cases[case], TableSpelling::default());
+                (_, first.reply) = self.observe_alone(file, &first.view, table)?;
+                first.attempt = AttemptKind::Alone;
+            }
+            if is_timeout(&first.reply) {
+                return Some(false);
+            }
+        }
+        Some(true)
     }
 
     /// Returns the offer of the decoder. A view is offered if the decoder decoded a first file in it. An offered view is missing
@@ -267,7 +385,7 @@ impl<C: TestCase> Session<'_, C> {
             Some((case, views.find(|of| C::view_name(of) == view)?))
         });
         others.take(3).any(|(case, view)| {
-            let (observation, _) = self.observe(case, view, TableSpelling::default(), 0);
+            let observation = self.observe_patiently(case, view, TableSpelling::default());
             !matches!(observation.response, Response::Unsupported)
         })
     }
@@ -278,7 +396,7 @@ impl<C: TestCase> Session<'_, C> {
         let mut asked = cases.filter(|&(i, _)| self.plan.is_requested(i));
         asked.find_map(|(_, case)| {
             let (spelling, view) = (case.spelling()?, offer.chosen_view(case)?);
-            let (observation, _) = self.observe(case, view, TableSpelling::default(), 0);
+            let observation = self.observe_patiently(case, view, TableSpelling::default());
             let right = RightDialects::Regardless(true);
             matches!(observation.response, Response::Image { right: shown, .. } if shown == right)
                 .then_some(spelling)
@@ -304,12 +422,12 @@ impl<C: TestCase> Session<'_, C> {
             for case in &probes {
                 let view = offer.chosen_view(case);
                 let Some(view) = view else { continue };
-                let (observation, _) = self.observe(case, view, table, 0);
+                let observation = self.observe_patiently(case, view, table);
                 if self.is_over() {
                     return None;
                 }
                 match observation.response {
-                    Response::Unsupported | Response::Violation(Answer::Hung(_)) => silent += 1,
+                    Response::Unsupported | Response::Violation(Answer::TimedOut(_)) => silent += 1,
                     // A wrong image is better evidence than no image: its values may be wrong for a different reason.
                     Response::Image { difference, .. } => {
                         score += 1.0 + difference.map_or(1.0, |of| C::similarity(&of));
@@ -348,6 +466,7 @@ fn non_decoder_reason<C: TestCase>(first: &[FirstFile<C>]) -> Option<String> {
             "it produces no output for the first requests, and refuses {refused} of {} (exit status 65)",
             first.len()
         ),
+        (Answer::TimedOut(limit), _) => format!("it {limit} and decodes none of the first files"),
         (answer, _) => format!(
             "none of its first responses is well-formed; the first: {}",
             answer.describe()

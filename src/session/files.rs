@@ -70,9 +70,7 @@ pub fn check_file(
 ) -> FileResult {
     let answer = |view: &View, file: &[u8]| {
         let texels = crate::decode(file).map_or(file.len(), |ptm| ptm.planes.size.texels());
-        let mut request = Request::new(name, view, file, texels * 72);
-        request.timeout_factor = 3;
-        ask(&request).answer
+        ask(&Request::new(name, view, file, texels * 72)).answer
     };
     let mut result = FileResult::not_run(name, None);
     let mut answered = views.iter().map(|view| (view, answer(view, file)));
@@ -93,6 +91,7 @@ pub fn check_file(
                 Answer::Unsupported => continue,
                 Answer::Decoded(again) => (first.compare(&again))
                     .map(|difference| format!("{label}: a different image: {difference}")),
+                Answer::TimedOut(limit) => Some(format!("{label}: no image: the decoder {limit}")),
                 other => Some(format!("{label}: no image, but {}", other.name())),
             };
             result.encodings += 1;

@@ -64,8 +64,7 @@ pub fn request(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &DecoderFn) -> O
     Count::ALL[..spellings].iter().find_map(|&count| {
         let file = file(format, count);
         let max_frame_bytes = (SIDE * SIDE) as usize * 18 * 4;
-        let mut request = Request::new("lit-scene", &asked, &file, max_frame_bytes);
-        request.needs_new_process = false;
+        let request = Request::new("lit-scene", &asked, &file, max_frame_bytes);
         let Answer::Decoded(frame) = ask(&request, 0).answer else {
             return None;
         };

@@ -49,7 +49,10 @@ pub fn difference(
     first.retain(|first| matches!(first.reply.answer, Answer::Decoded(_)));
     first.sort_by_key(|first| (first.case, preference(&first.view)));
     first.dedup_by_key(|first| first.case);
-    first.into_iter().find_map(|FirstFile { case, view, reply }| {
+    first.into_iter().find_map(|first| {
+        let FirstFile {
+            case, view, reply, ..
+        } = first;
         let Answer::Decoded(frame) = &reply.answer else {
             return None;
         };
@@ -60,13 +63,14 @@ pub fn difference(
         let got = match &answer {
             answer if answer.is_equivalent(&reply.answer) => return None,
             Answer::Decoded(other) => match (other.width, other.height) {
-                size if size == (frame.width, frame.height) => "a different image".to_owned(),
-                (width, height) => format!("an image of {width}x{height}"),
+                size if size == (frame.width, frame.height) => "gives a different image".to_owned(),
+                (width, height) => format!("gives an image of {width}x{height}"),
             },
-            other => other.describe(),
+            Answer::TimedOut(limit) => limit.to_string(),
+            other => format!("gives {}", other.describe()),
         };
         Some(format!(
-            "in the locale {locale}, which uses a decimal comma, {} in {view} gives {got}: PTM files use a decimal point in every locale (LC_NUMERIC)",
+            "in the locale {locale}, which uses a decimal comma, {} in {view} {got}: PTM files use a decimal point in every locale (LC_NUMERIC)",
             case.id
         ))
     })

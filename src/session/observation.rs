@@ -1,6 +1,7 @@
 //! The result of one request.
 
-use crate::protocol::frame::Answer;
+use crate::protocol::frame::{Answer, TimeLimit};
+use crate::runner::run::AttemptKind;
 use crate::suite::cases::{Case, Expect};
 use crate::suite::dialect::RightDialects;
 use crate::suite::test_case::{Allowance, TestCase};
@@ -16,6 +17,8 @@ pub struct Observation<C: TestCase = Case> {
     pub weak: bool,
     /// Beginning of standard error.
     pub stderr: String,
+    /// The kind of attempt that resulted in this response.
+    pub attempt: AttemptKind,
     /// In serve mode, the name of the previous request to the same process.
     pub previous_request: Option<String>,
     /// Difference between two answers to this request, if it was repeated and the answers differ.
@@ -23,10 +26,17 @@ pub struct Observation<C: TestCase = Case> {
 }
 
 impl<C: TestCase> Observation<C> {
+    /// Returns true if the request exceeded the usual time limit, and nothing is known about a higher one.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.attempt != AttemptKind::Alone && self.response.time_limit().is_some()
+    }
+
     /// Returns true if the case fails regardless of other observations. Nondeterminism is not considered.
     #[must_use]
     pub fn is_certain_failure(&self, case: &C) -> bool {
         match (&self.response, case.expect()) {
+            _ if self.is_open() => false,
             (Response::Image { right, .. }, Expect::Decode) => {
                 *right == RightDialects::Regardless(false)
             }
@@ -70,6 +80,15 @@ pub enum Response<C: TestCase = Case> {
 }
 
 impl<C: TestCase> Response<C> {
+    /// Returns the time limit that the request exceeded, if it did.
+    #[must_use]
+    pub const fn time_limit(&self) -> Option<TimeLimit> {
+        match self {
+            Response::Violation(Answer::TimedOut(limit)) => Some(*limit),
+            _ => None,
+        }
+    }
+
     /// Returns true if both responses agree in everything that the decoder controls.
     #[must_use]
     pub fn is_equivalent(&self, other: &Response<C>) -> bool {

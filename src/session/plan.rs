@@ -1,7 +1,7 @@
 //! The plan of a run: the selected cases and the options.
 
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, AtomicUsize};
 
 use serde::{Deserialize, Serialize};
 
@@ -32,6 +32,9 @@ pub struct RunPlan {
     pub withheld: Vec<Option<String>>,
     /// True if the answers were produced before the run. If so, there are no first files, and tables have the default spelling.
     pub precomputed: bool,
+    /// Number of requests so far that exceeded the higher time limit of [`AttemptKind::Alone`](crate::runner::run::AttemptKind::Alone).
+    #[serde(skip)]
+    pub unanswered: Arc<AtomicUsize>,
     /// Flag that is set when the user ends the run.
     #[serde(skip)]
     pub stop: Arc<AtomicBool>,

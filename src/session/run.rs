@@ -4,14 +4,15 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
+use crate::runner::run::AttemptKind;
 pub use crate::session::asking::Session;
-use crate::session::asking::{CountCallback, DecoderFn, is_hang};
+use crate::session::asking::{CountCallback, DecoderFn};
 use crate::session::contact::{Contact, FirstFile};
 use crate::session::judge::{Judgment, judge};
 use crate::session::lit_scene::LitScene;
 use crate::session::observation::{Observation, Response};
 use crate::session::scores::{Fraction, Scores};
-use crate::session::tally::HangWatch;
+use crate::session::tally::TimeoutWatch;
 use crate::session::{offer::Offer, outcome::Outcome, plan::RunPlan, remark::Remark};
 use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
 use crate::suite::test_case::TestCase;
@@ -36,7 +37,7 @@ pub struct Run<C: TestCase = Case> {
     /// Number of requests that ended in neither a frame nor a refusal.
     pub violations: usize,
     /// The reason why the run ended before all cases were requested, if it did.
-    pub ended_early: Option<&'static str>,
+    pub ended_early: Option<String>,
     /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
     /// A scene for the HTML report, if requested.
@@ -93,7 +94,9 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Requests these cases once, each in the first of its views that the decoder offers.
     ///
-    /// If the run ends because of timeouts, results of later cases are dropped, so the number of jobs does not affect the report.
+    /// After three consecutive legal files that exceed the time limit, one of them after the other is requested alone until one is
+    /// answered. If none is, the run ends, and the results of later cases are dropped, so the number of jobs does not affect the
+    /// report.
     pub fn request_cases(
         &self,
         contact: &Contact<C>,
@@ -101,47 +104,134 @@ impl<C: TestCase> Session<'_, C> {
         observations: &mut [Option<Observation<C>>],
         progress: &Progress<C>,
     ) {
-        let (cases, stop) = (&self.suite.cases, &self.plan.stop);
-        if self.is_over() {
-            return;
+        let is_legal = |at: usize| self.suite.cases[case_indices[at]].expect() == Expect::Decode;
+        let mut first = 0;
+        while !self.is_over() {
+            let legal = (first..case_indices.len()).filter(|&at| is_legal(at));
+            let watch = TimeoutWatch::new(legal.collect());
+            self.request_watched(contact, case_indices, observations, progress, &watch);
+            let Some(slow) = watch.consecutive().filter(|_| !self.is_interrupted()) else {
+                return;
+            };
+            let last = *slow.last().expect("the list is not empty");
+            let slow: Vec<usize> = slow.iter().map(|&at| case_indices[at]).collect();
+            let mut slow_files = slow.iter();
+            if slow_files.any(|&i| {
+                let case = &self.suite.cases[i];
+                self.repeat_alone(contact.table, &mut observations[i], case) == Some(true)
+            }) {
+                first = last + 1;
+                continue;
+            }
+            if self.is_interrupted() {
+                return;
+            }
+            let limits = slow
+                .iter()
+                .filter_map(|&i| observations[i].as_ref()?.response.time_limit());
+            let limit = limits.min().expect("the files exceeded a time limit");
+            let _ = self.tally.exceeded_limit.set(limit);
+            for &i in &case_indices[last + 1..] {
+                self.drop_observation(&mut observations[i]);
+            }
         }
-        let is_legal = |&at: &usize| cases[case_indices[at]].expect() == Expect::Decode;
-        let watch = HangWatch::new((0..case_indices.len()).filter(is_legal).collect());
-        let state = Mutex::new((observations, 0));
-        let uncount = |observation: &Observation<C>| {
-            // True if the call ended in neither a frame nor a refusal, or a serving process did not answer.
-            let is_violation = matches!(observation.response, Response::Violation(_))
-                || observation.nondeterminism.is_some();
-            self.tally.calls.fetch_sub(1, Ordering::Relaxed);
-            (self.tally.violations).fetch_sub(is_violation.into(), Ordering::Relaxed);
-        };
+    }
+
+    /// Requests those of the cases that have no observation yet, until `watch` finds consecutive files that exceed the time limit.
+    fn request_watched(
+        &self,
+        contact: &Contact<C>,
+        case_indices: &[usize],
+        observations: &mut [Option<Observation<C>>],
+        progress: &Progress<C>,
+        watch: &TimeoutWatch,
+    ) {
+        let cases = &self.suite.cases;
+        let is_done = |i: &&usize| observations[**i].is_some();
+        let done = case_indices.iter().filter(is_done).count();
+        let state = Mutex::new((observations, done));
+        let lock = || state.lock().expect("no worker panics");
         self.run_in_parallel(case_indices.len(), |at, worker| {
             let i = case_indices[at];
             let Some(view) = contact.offer.chosen_view(&cases[i]) else {
                 return true;
             };
-            if watch.last().is_some_and(|last| at > last) || stop.load(Ordering::Relaxed) {
+            let seen = lock().0[i].as_ref().map(Observation::is_open);
+            if let Some(timed_out) = seen {
+                watch.record(at, timed_out);
+                return true;
+            }
+            if watch.is_after(at) || self.is_interrupted() {
                 return false;
             }
-            let (observation, reply) = self.observe(&cases[i], view, contact.table, worker);
-            if stop.load(Ordering::Relaxed) {
-                uncount(&observation);
+            let usual = AttemptKind::Usual;
+            let (observation, _) = self.observe(&cases[i], view, contact.table, worker, usual);
+            if self.is_interrupted() {
+                self.drop_observation(&mut Some(observation));
                 return false;
             }
-            let (observations, done) = &mut *state.lock().expect("no worker panics");
+            watch.record(at, observation.is_open());
+            let (observations, done) = &mut *lock();
             *done += 1;
             progress(&cases[i], &observation, *done, case_indices.len());
             observations[i] = Some(observation);
-            watch.record_answer(at, is_hang(&reply), &self.tally);
             true
         });
-        let (observations, _) = state.into_inner().expect("no worker panics");
-        let Some(last) = watch.last() else { return };
-        for &i in &case_indices[last + 1..] {
-            if let Some(observation) = observations[i].take() {
-                uncount(&observation);
+    }
+
+    /// Repeats an open request alone, with a higher time limit. Returns true if it was answered, false if it exceeded this limit,
+    /// too, and `None` if it was not repeated.
+    fn repeat_alone(
+        &self,
+        table: TableSpelling,
+        observation: &mut Option<Observation<C>>,
+        case: &C,
+    ) -> Option<bool> {
+        let open = observation.as_ref().filter(|seen| seen.is_open())?;
+        let (repeated, _) = self.observe_alone(case, &open.view, table)?;
+        let is_answered = repeated.response.time_limit().is_none();
+        *observation = Some(repeated);
+        Some(is_answered)
+    }
+
+    /// Repeats all requests that exceeded the time limit, one after the other: first those for legal files. If the user ends the
+    /// run, drops those that are still open, because nothing is known about them.
+    fn repeat_open_requests(
+        &self,
+        table: TableSpelling,
+        observations: &mut [Option<Observation<C>>],
+        progress: &CountCallback,
+    ) {
+        let cases = &self.suite.cases;
+        let is_open = |&i: &usize| observations[i].as_ref().is_some_and(Observation::is_open);
+        let mut open: Vec<usize> = (0..cases.len()).filter(is_open).collect();
+        open.sort_by_key(|&i| cases[i].expect() != Expect::Decode);
+        for (done, &i) in open.iter().enumerate() {
+            let repeated = self.repeat_alone(table, &mut observations[i], &cases[i]);
+            if repeated.is_none() {
+                break;
+            }
+            progress(done + 1, open.len());
+        }
+        if self.is_interrupted() {
+            for i in open {
+                if observations[i].as_ref().is_some_and(Observation::is_open) {
+                    self.drop_observation(&mut observations[i]);
+                }
             }
         }
+    }
+
+    /// Removes an observation and its request from the counts of this run.
+    fn drop_observation(&self, observation: &mut Option<Observation<C>>) {
+        let Some(observation) = observation.take() else {
+            return;
+        };
+        // True if the call ended in neither a frame nor a refusal, or a serving process did not answer.
+        let is_violation = matches!(observation.response, Response::Violation(_))
+            || observation.nondeterminism.is_some();
+        self.tally.calls.fetch_sub(1, Ordering::Relaxed);
+        (self.tally.violations).fetch_sub(is_violation.into(), Ordering::Relaxed);
     }
 
     /// Requests every case on the agenda.
@@ -163,14 +253,18 @@ impl<C: TestCase> Session<'_, C> {
         observations: &[Option<Observation<C>>],
     ) -> Run<C> {
         let selected = &self.plan.selected;
-        let is_seen = |i: usize| selected[i] && indices.contains(&i) && observations[i].is_some();
+        // Open requests will be repeated, so they have no verdict yet.
+        let is_closed = |seen: &Observation<C>| !seen.is_open();
+        let is_seen = |i: usize| {
+            selected[i] && indices.contains(&i) && observations[i].as_ref().is_some_and(is_closed)
+        };
         let selected: Vec<bool> = (0..selected.len()).map(is_seen).collect();
         let judgment = judge(self.suite, &selected, observations, &contact.offer);
         self.run(contact.clone(), observations.to_vec(), judgment)
     }
 
-    /// Judges the observations, repeats failures, and judges again if a response differed. `progress` is called after each
-    /// repetition with the number of finished repetitions and the total.
+    /// Repeats the requests that exceeded the time limit, judges the observations, repeats failures, and judges again if a
+    /// response differed. `progress` is called after each repetition with the number of finished repetitions and the total.
     #[must_use]
     pub fn verdicts(
         self,
@@ -180,10 +274,14 @@ impl<C: TestCase> Session<'_, C> {
     ) -> Run<C> {
         let (suite, table) = (self.suite, contact.table);
         let nothing = vec![false; suite.cases.len()];
+        self.repeat_open_requests(table, &mut observations, progress);
         let end_reason = self.end_reason();
         let (selected, ended_early) = match contact.not_a_decoder {
             Some(_) => (&nothing, end_reason),
-            None => (&self.plan.selected, contact.end_reason.or(end_reason)),
+            None => (
+                &self.plan.selected,
+                contact.end_reason.clone().or(end_reason),
+            ),
         };
         let mut judgment = judge(suite, selected, &observations, &contact.offer);
         if ended_early.is_none() && self.repeat(table, &mut observations, &judgment, progress) {
@@ -193,7 +291,10 @@ impl<C: TestCase> Session<'_, C> {
         let ended_early = ended_early.or(self.end_reason());
         let reason = || all_unsupported_reason(suite, &observations);
         let not_a_decoder = contact.not_a_decoder.clone().or_else(reason);
-        let run = self.run(contact, observations, judgment);
+        let is_open = |seen: &&Observation<C>| seen.is_open();
+        let open = observations.iter().flatten().filter(is_open).count();
+        let mut run = self.run(contact, observations, judgment);
+        run.remarks.extend(self.tally.remarks(open));
         let mut run = Run {
             ended_early,
             not_a_decoder,
@@ -252,14 +353,14 @@ impl<C: TestCase> Run<C> {
                 judged.message.clone_from(why);
             } else if observation.is_none() && self.offer.chosen_view(case).is_some() {
                 judged.outcome = Outcome::NotRun;
-                judged.message = self.ended_early.map(str::to_owned).unwrap_or_default();
+                judged.message = self.ended_early.clone().unwrap_or_default();
             }
         }
     }
 
     /// Reports why the run ended early: in a remark or, if the program is not a decoder, in the reason for that verdict.
     fn report_early_end(&mut self) {
-        let Some(why) = self.ended_early else { return };
+        let Some(why) = &self.ended_early else { return };
         if let Some(reason) = &mut self.not_a_decoder {
             *reason = format!("{reason}\n{why}");
             return;

@@ -1,62 +1,116 @@
-//! Counters of a run, and conditions that end the run early.
+//! Counters of a run, and a condition that ends the run early.
 
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
+use std::sync::{Mutex, OnceLock};
 
-/// Number of timeouts on consecutive legal files after which a run ends.
-const MAX_CONSECUTIVE_HANGS: usize = 3;
+use crate::protocol::frame::TimeLimit;
+use crate::runner::run::AttemptKind;
+use crate::session::remark::Remark;
 
-/// Counts of calls so far.
+/// Number of consecutive legal files that exceed the time limit before one of them is requested alone.
+const MAX_CONSECUTIVE: usize = 3;
+
+/// Maximum number of files that a remark names.
+const MAX_NAMED: usize = 3;
+
+/// Facts about the calls so far.
 #[derive(Default)]
 pub(super) struct Tally {
     pub calls: AtomicUsize,
     /// Number of calls that ended in neither a frame nor a refusal.
     pub violations: AtomicUsize,
-    /// True if the decoder timed out on too many consecutive legal files.
-    pub too_many_hangs: AtomicBool,
+    /// The time limit that ended the run: three consecutive legal files exceeded it.
+    pub exceeded_limit: OnceLock<TimeLimit>,
+    /// The usual time limit, if a request exceeded it.
+    pub usual_limit: OnceLock<TimeLimit>,
+    /// The names of the files that exceeded the usual time limit, but were answered when they were requested alone.
+    slow_files: Mutex<BTreeSet<String>>,
 }
 
-/// Tracks timeouts on files that are requested in sequence or in parallel, to decide when to end the run.
-pub(super) struct HangWatch {
+impl Tally {
+    /// Records a file that was answered when it was requested alone.
+    pub fn record_slow_file(&self, name: &str) {
+        let mut files = self.slow_files.lock().expect("no worker panics");
+        files.insert(name.to_owned());
+    }
+
+    /// Returns the remarks on requests that exceeded the usual time limit. `open` requests were not repeated.
+    pub fn remarks(&self, open: usize) -> Vec<Remark> {
+        let Some(usual) = self.usual_limit.get() else {
+            return Vec::new();
+        };
+        let [limit, higher] = [usual.0, AttemptKind::Alone.time_limit(usual.0).0];
+        let [limit, higher] = [limit, higher].map(|limit| limit.as_secs_f64());
+        let slow = self.slow_files.lock().expect("no worker panics");
+        let mut remarks = Vec::new();
+        if !slow.is_empty() {
+            let count = match slow.len() {
+                1 => "1 file".to_owned(),
+                count => format!("{count} files"),
+            };
+            let named: Vec<&str> = slow.iter().take(MAX_NAMED).map(String::as_str).collect();
+            let more = if slow.len() > MAX_NAMED { ", …" } else { "" };
+            let named = named.join(", ");
+            remarks.push(Remark::note(format!(
+                "it exceeded the time limit of {limit} s (`--timeout`) on {count} and answered within {higher} s when no other request was in progress, which is not a failure: {named}{more}"
+            )));
+        }
+        if open > 0 {
+            remarks.push(Remark::note(format!(
+                "requests that exceeded the time limit of {limit} s (`--timeout`) and were not repeated, because others exceeded {higher} s: {open}"
+            )));
+        }
+        remarks
+    }
+}
+
+/// Tracks requests that exceed the time limit, in sequence or in parallel, to find consecutive ones.
+pub(super) struct TimeoutWatch {
     /// The indices of the legal files, in order.
     legal: Vec<usize>,
-    /// For each legal file, true if all its requests so far have timed out; `None` before the first result.
+    /// For each legal file, true if all its requests so far exceeded the time limit; `None` before the first result.
     timed_out: Mutex<Vec<Option<bool>>>,
-    /// The index of the last file to request.
-    last_index: AtomicUsize,
+    /// The rank of the last of the first consecutive legal files that exceeded the time limit.
+    last_rank: AtomicUsize,
 }
 
-impl HangWatch {
+impl TimeoutWatch {
     /// Creates a watch for the legal files at these indices, which must be in ascending order.
-    pub fn new(legal: Vec<usize>) -> HangWatch {
-        HangWatch {
+    pub fn new(legal: Vec<usize>) -> TimeoutWatch {
+        TimeoutWatch {
             timed_out: Mutex::new(vec![None; legal.len()]),
             legal,
-            last_index: AtomicUsize::new(usize::MAX),
+            last_rank: AtomicUsize::new(usize::MAX),
         }
     }
 
-    /// Records an answer, and ends the run if the decoder timed out on three consecutive legal files. Files are consecutive by
-    /// index, regardless of the order of their answers.
-    pub fn record_answer(&self, index: usize, is_hang: bool, tally: &Tally) {
+    /// Records whether a request for the file at `index` exceeded the time limit. Files are consecutive by index, regardless of
+    /// the order of their answers.
+    pub fn record(&self, index: usize, timed_out: bool) {
         let Ok(rank) = self.legal.binary_search(&index) else {
             return;
         };
-        let mut timed_out = self.timed_out.lock().expect("no worker panics");
-        timed_out[rank] = Some(is_hang && timed_out[rank] != Some(false));
-        let near = rank.saturating_sub(MAX_CONSECUTIVE_HANGS - 1);
-        let rows = timed_out[near..].windows(MAX_CONSECUTIVE_HANGS);
-        let mut rows = rows.take(MAX_CONSECUTIVE_HANGS);
+        let mut all = self.timed_out.lock().expect("no worker panics");
+        all[rank] = Some(timed_out && all[rank] != Some(false));
+        let near = rank.saturating_sub(MAX_CONSECUTIVE - 1);
+        let mut rows = all[near..].windows(MAX_CONSECUTIVE).take(MAX_CONSECUTIVE);
         if let Some(row) = rows.position(|row| row.iter().all(|file| *file == Some(true))) {
-            let last = self.legal[near + row + MAX_CONSECUTIVE_HANGS - 1];
-            self.last_index.fetch_min(last, Relaxed);
-            tally.too_many_hangs.store(true, Relaxed);
+            let last = near + row + MAX_CONSECUTIVE - 1;
+            self.last_rank.fetch_min(last, Relaxed);
         }
     }
 
-    /// Returns the index of the last file to request, or `None` if the run continues.
-    pub fn last(&self) -> Option<usize> {
-        Some(self.last_index.load(Relaxed)).filter(|&last| last < usize::MAX)
+    /// Returns the indices of the first consecutive legal files that exceeded the time limit, if there are any.
+    pub fn consecutive(&self) -> Option<&[usize]> {
+        let last = self.last_rank.load(Relaxed);
+        (last < usize::MAX).then(|| &self.legal[last + 1 - MAX_CONSECUTIVE..=last])
+    }
+
+    /// Returns true if `index` is after those files, so its request can wait.
+    pub fn is_after(&self, index: usize) -> bool {
+        let last = self.consecutive().and_then(<[usize]>::last);
+        last.is_some_and(|&last| index > last)
     }
 }
 
@@ -66,32 +120,30 @@ mod tests {
 
     /// The files at even indices are legal. The first request for file 12 is answered in time.
     #[test]
-    fn three_hangs_in_a_row_end_a_run_in_any_order_of_answers() {
+    fn three_consecutive_timeouts_are_found_in_any_order_of_answers() {
         let backward: Vec<usize> = (0..20).rev().collect();
         let forward: Vec<usize> = (0..20).collect();
-        for (asked, hanging, end) in [
-            (&forward[..], &[4, 6, 8][..], Some(8)),
-            (&backward, &[4, 6, 8], Some(8)),
-            (&[8, 0, 4, 2, 6], &[4, 6, 8], Some(8)),
-            (&backward, &[4, 6, 8, 10, 12, 14], Some(8)),
-            (&[0, 2, 2, 4], &[0, 2, 4], Some(4)),
+        for (asked, slow, found) in [
+            (&forward[..], &[4, 6, 8][..], Some(&[4, 6, 8][..])),
+            (&backward, &[4, 6, 8], Some(&[4, 6, 8])),
+            (&[8, 0, 4, 2, 6], &[4, 6, 8], Some(&[4, 6, 8])),
+            (&backward, &[4, 6, 8, 10, 12, 14], Some(&[4, 6, 8])),
+            (&[0, 2, 2, 4], &[0, 2, 4], Some(&[0, 2, 4])),
             // Other files in between, malformed files, or an answer in a different view.
             (&forward, &[4, 6, 10, 12, 18], None),
             (&[4, 6, 10, 8], &[4, 6, 10], None),
             (&forward, &[1, 3, 5, 7, 9, 11], None),
             (&[10, 12, 12, 14], &[10, 12, 14], None),
-            (&forward, &[14, 16, 18], Some(18)),
+            (&forward, &[14, 16, 18], Some(&[14, 16, 18])),
         ] {
-            let tally = Tally::default();
-            let watch = HangWatch::new((0..20).step_by(2).collect());
+            let watch = TimeoutWatch::new((0..20).step_by(2).collect());
             let mut in_time = Some(12);
             for &index in asked {
-                let is_hang =
-                    hanging.contains(&index) && in_time.take_if(|of| *of == index).is_none();
-                watch.record_answer(index, is_hang, &tally);
+                let timed_out =
+                    slow.contains(&index) && in_time.take_if(|of| *of == index).is_none();
+                watch.record(index, timed_out);
             }
-            assert_eq!(watch.last(), end);
-            assert_eq!(tally.too_many_hangs.into_inner(), end.is_some());
+            assert_eq!(watch.consecutive(), found);
         }
     }
 }

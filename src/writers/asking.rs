@@ -2,7 +2,7 @@
 
 use crate::protocol::frame::Answer;
 use crate::ptm::Size;
-use crate::runner::run::{Decoder, Reply};
+use crate::runner::run::{AttemptKind, Decoder, Reply};
 use crate::runner::{scratch::Scratch, write::WriteCall};
 use crate::suite::{cases::TableSpelling, test_case::TestCase};
 use crate::writers::test_case::{FileCase, RequestValues, WrittenFile};
@@ -12,11 +12,11 @@ pub const VALUES: [&str; 10] = [
     "planes", "format", "width", "height", "scale", "bias", "matrix", "quality", "near", "lp",
 ];
 
-/// Requests the file of a case. The timeout is multiplied by `timeout_factor`.
+/// Requests the file of a case. `attempt` determines the time limit.
 pub(crate) fn request_file<V: RequestValues>(
     writer: &Decoder,
     case: &FileCase<V>,
-    timeout_factor: u32,
+    attempt: AttemptKind,
     scratch: &Scratch,
 ) -> Reply<WrittenFile> {
     let built = case.make(TableSpelling::default());
@@ -29,7 +29,7 @@ pub(crate) fn request_file<V: RequestValues>(
         attachments: &V::attachments(&built),
         values: &values,
         max_bytes: case.max_output_bytes(&built),
-        timeout_factor,
+        attempt,
     };
     let result = writer.write(&call, scratch);
     let answer = result.output.map_or_else(

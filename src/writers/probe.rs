@@ -3,7 +3,7 @@
 use crate::kit::last_message::quote_last_message;
 use crate::misreadings::writing;
 use crate::protocol::frame::Answer;
-use crate::runner::run::{Decoder, Reply};
+use crate::runner::run::{AttemptKind, Decoder, Reply};
 use crate::runner::scratch::Scratch;
 use crate::session::probe::Checklist;
 use crate::suite::cases::Suite;
@@ -19,7 +19,7 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
     let suite = Suite::load_writer_requests()?;
     let mut list = Checklist::default();
     for case in suite.cases.iter().filter(|case| case.first) {
-        let reply = asking::request_file(writer, case, 1, scratch);
+        let reply = asking::request_file(writer, case, AttemptKind::Alone, scratch);
         let format = case.format.short_name();
         match &reply.answer {
             Answer::Decoded(file) => check_file(&mut list, case, file),
@@ -31,8 +31,8 @@ pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
                 list.add_bad(format!("{format}: {says}"), next);
             }
         }
-        // A program that cannot be started, or hangs, fails in the same way for every format.
-        if matches!(reply.answer, Answer::NotStarted(_) | Answer::Hung(_)) {
+        // A program that cannot be started, or takes too long, fails in the same way for every format.
+        if matches!(reply.answer, Answer::NotStarted(_) | Answer::TimedOut(_)) {
             return Ok(list);
         }
     }
@@ -72,7 +72,9 @@ fn explain_answer(reply: &Reply<WrittenFile>) -> (String, &'static str) {
         }
         Answer::ProtocolError(_) => "write the file to OUT, the last argument",
         Answer::Crashed(_) => "exit with 0, 65 or 69; any other status counts as a crash",
-        Answer::Hung(_) => "exit after writing the file, without waiting for input",
+        Answer::TimedOut(_) => {
+            "exit after writing the file, without waiting for input; if the writer needs more time, raise the limit with --timeout"
+        }
         Answer::Rejected => {
             "the request is ordinary, so the writer must not refuse it; fix the error that the writer prints to standard error"
         }
@@ -81,7 +83,8 @@ fn explain_answer(reply: &Reply<WrittenFile>) -> (String, &'static str) {
         Answer::Tampered(_) => "open the request and the planes for reading only",
         _ => "run the writer by hand from another directory",
     };
-    let problem = reply.answer.violation().unwrap_or(reply.answer.name());
+    let name = reply.answer.name();
+    let problem = reply.answer.violation().unwrap_or(name.into());
     let last = quote_last_message("\n", &reply.stderr);
     (format!("{problem}{last}"), next)
 }

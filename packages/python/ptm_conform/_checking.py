@@ -65,7 +65,7 @@ def check_callable(raw=None, *, coef=None, rgb=None, malformed=Malformed, unsupp
     first: the stored values as uint8, and the final coefficients as floats. `rgb(file, lu, lv)` returns the image under a
     light as uint8. One function is enough. The functions raise `malformed` for a malformed file and `unsupported` for a kind
     of file that they do not support. Any other exception counts as a crash. `options` are options of `ptm-conform check`,
-    such as ["--smoke"]. The functions run in this process without a time limit: if one hangs or crashes the interpreter, so
+    such as ["--smoke"]. The functions run in this process without a time limit: if one runs forever or crashes the interpreter, so
     does this call.
     """
     if not hasattr(socket, "AF_UNIX"):

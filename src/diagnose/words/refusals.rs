@@ -43,7 +43,9 @@ fn mode_diagnosis(
 ) -> Diagnosis {
     let read = "read these legal files, or exit with 69 for all files of this kind";
     let fix = match (mode, mode.refusal_status()) {
-        (FailureMode::Hangs, _) => "find the loop that does not terminate".to_owned(),
+        (FailureMode::TimesOut(_), _) => {
+            "find out why these files take so long; if the decoder needs the time, raise the limit with --timeout".to_owned()
+        }
         (FailureMode::MalformedFrame(_), _) => {
             "compare the output with docs/protocol.md".to_owned()
         }

@@ -1,4 +1,4 @@
-//! Describes violations on files that must or may be refused: crashes, hangs, malformed frames and "unsupported" responses.
+//! Describes violations on files that must or may be refused: crashes, exceeded limits, malformed frames and "unsupported" responses.
 
 use super::{acceptances::fault_text, list_first, refusals::example, refusals::reject_exit_hint};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};

@@ -80,8 +80,8 @@ impl Calls<'_> {
         let not_run = not_run.filter(|_| !self.command.is_empty());
         let not_run = not_run.map(|(name, why)| fault(name, &[("why", &why), ("last", &why)]));
         let known = repair(&reply.stdout, expected, view).or(not_run);
-        // A decoder that times out would time out with any command line.
-        if known.is_some() || matches!(reply.answer, Answer::Hung(_)) {
+        // A decoder that exceeds the time limit would exceed it with any command line.
+        if known.is_some() || matches!(reply.answer, Answer::TimedOut(_)) {
             return known;
         }
         self.find_other_call(file, expected, view)

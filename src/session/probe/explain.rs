@@ -21,7 +21,7 @@ pub(super) fn explain(reply: &Reply) -> ProbeFault {
             Some(_) => "crash",
             None => "signal",
         },
-        Answer::Hung(_) => "hang",
+        Answer::TimedOut(_) => "time-limit",
         Answer::Rejected => "refusal",
         Answer::Unsupported => "unsupported",
         Answer::Flooded(_) => "flood",

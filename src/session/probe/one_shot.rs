@@ -27,8 +27,16 @@ impl FileReplies {
     fn new(calls: &Calls, sample: Sample) -> FileReplies {
         let views = ["raw", "coef", View::DEFAULT_RGB];
         let views = views.map(|view| view.parse().expect("a view")).into_iter();
-        let ask = |view: View| (view.clone(), calls.ask(&view, &sample.file));
-        let replies = views.map(ask).collect();
+        let mut replies = Vec::new();
+        for view in views {
+            let reply = calls.ask(&view, &sample.file);
+            let timed_out = matches!(reply.answer, Answer::TimedOut(_));
+            replies.push((view, reply));
+            // The other views would probably take too long as well.
+            if timed_out {
+                break;
+            }
+        }
         FileReplies { sample, replies }
     }
 
@@ -37,7 +45,7 @@ impl FileReplies {
         let first = samples.next().expect("every format has a spelling");
         let mut best = FileReplies::new(calls, first);
         let unsupported = |(_, reply): &(View, Reply)| reply.answer == Answer::Unsupported;
-        while !best.rank()[2] && !best.replies.iter().all(unsupported) && !best.has_hang() {
+        while !best.rank()[2] && !best.replies.iter().all(unsupported) && !best.has_timeout() {
             let Some(sample) = samples.next() else { break };
             let asked = FileReplies::new(calls, sample);
             if asked.rank() > best.rank() {
@@ -59,10 +67,10 @@ impl FileReplies {
         self.replies.iter().map(one).max().unwrap_or_default()
     }
 
-    /// Returns true if the decoder timed out in at least one view.
-    fn has_hang(&self) -> bool {
-        let is_hang = |(_, reply): &(View, Reply)| matches!(reply.answer, Answer::Hung(_));
-        self.replies.iter().any(is_hang)
+    /// Returns true if the decoder exceeded the time limit in at least one view.
+    fn has_timeout(&self) -> bool {
+        let timed_out = |(_, reply): &(View, Reply)| matches!(reply.answer, Answer::TimedOut(_));
+        self.replies.iter().any(timed_out)
     }
 
     /// Returns true if every view is decoded correctly or not supported.
@@ -80,7 +88,7 @@ impl FileReplies {
             Answer::NotStarted(_) | Answer::NotAsked(_) => true,
             _ => reply.stdout.windows(5).any(|bytes| bytes == b"PTM1 "),
         };
-        self.has_hang() || self.replies.iter().any(is_final)
+        self.has_timeout() || self.replies.iter().any(is_final)
     }
 }
 
@@ -144,7 +152,7 @@ pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &m
                 same.0.push(name);
             }
         }
-        if asked.has_hang() {
+        if asked.has_timeout() {
             break;
         }
     }

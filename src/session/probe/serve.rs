@@ -7,10 +7,11 @@ use std::ffi::OsStr;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, View};
+use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit, View};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
+use crate::runner::run::AttemptKind;
 use crate::runner::scratch::Workspace;
 
 use super::calls::Calls;
@@ -55,21 +56,27 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
     let Answer::Decoded(right) = &reply.answer else {
         return Err(None);
     };
-    let mut dialog = Dialog::start(calls).ok_or(None)?;
-    let whole = dialog.write_input("one file.ptm", &first.sample.file);
-    let malformed = dialog.write_input("malformed.ptm", MALFORMED);
+    let (mut dialog, mut whole, mut malformed) = start(calls, first).ok_or(None)?;
+    let limit = AttemptKind::Alone.time_limit(calls.decoder.timeout);
+    let too_slow = |file: &str| fault("serve-time-limit", &[("limit", &limit), ("file", &file)]);
     let after = |count: usize, name: &str| Err(Some((count, fault(name, &[]))));
-    match dialog.ask(1, view, &whole) {
+    let mut served = dialog.ask(1, view, &whole);
+    dialog.time_limit = limit;
+    if let ServeResult::NoAnswer = served {
+        // Some programs mistake the word `serve` for a view and wait; others answer when their input ends, or are slow.
+        match dialog.end() {
+            ServeResult::Answer(line, _) if line.starts_with("1 ") => {}
+            _ => return Err(None),
+        }
+        (dialog, whole, malformed) = start(calls, first).ok_or(None)?;
+        dialog.time_limit = limit;
+        served = dialog.ask(1, view, &whole);
+    }
+    match served {
         ServeResult::Answer(line, bytes) => {
             judge(&line, &bytes, right).map_err(|fault| Some((1, fault)))?;
         }
-        // Some programs mistake the word `serve` for a view and wait; others answer when their input ends.
-        ServeResult::NoAnswer => match dialog.end() {
-            ServeResult::Answer(line, _) if line.starts_with("1 ") => {
-                return after(1, "serve-buffered");
-            }
-            _ => return Err(None),
-        },
+        ServeResult::NoAnswer => return after(1, "serve-buffered"),
         ServeResult::Ended(_) => return Err(None),
         ServeResult::Fault(fault) => return Err(Some((1, fault))),
     }
@@ -84,12 +91,14 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
             }
         }
         ServeResult::Ended(_) => return after(2, "serve-gone"),
-        ServeResult::NoAnswer | ServeResult::Fault(_) => return after(2, "serve-no-refusal"),
+        ServeResult::NoAnswer => return Err(Some((2, too_slow("a malformed file")))),
+        ServeResult::Fault(_) => return after(2, "serve-no-refusal"),
     }
     list.add_good("serve: a malformed file is refused");
     match dialog.ask(3, view, &whole) {
         ServeResult::Answer(line, bytes) if judge(&line, &bytes, right).is_ok() => {}
         ServeResult::Answer(..) => return after(3, "serve-state"),
+        ServeResult::NoAnswer => return Err(Some((3, too_slow("a third file")))),
         _ => return after(3, "serve-third"),
     }
     list.add_good("serve: a refused file does not affect the next response");
@@ -97,6 +106,14 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         ServeResult::Ended(true) => Ok(()),
         _ => after(3, "serve-end"),
     }
+}
+
+/// Starts the process, and writes an ordinary file and a malformed one for it.
+fn start<'a>(calls: &Calls<'a>, first: &FileReplies) -> Option<(Dialog<'a>, PathBuf, PathBuf)> {
+    let mut dialog = Dialog::start(calls)?;
+    let whole = dialog.write_input("one file.ptm", &first.sample.file);
+    let malformed = dialog.write_input("malformed.ptm", MALFORMED);
+    Some((dialog, whole, malformed))
 }
 
 /// Checks that an answer is equivalent to the frame returned in one-shot mode.
@@ -118,7 +135,7 @@ fn judge(line: &str, bytes: &[u8], expected: &Frame) -> Result<(), ProbeFault> {
 enum ServeResult {
     /// The first line of an answer, and the bytes that it announces.
     Answer(String, Vec<u8>),
-    /// No complete answer within the timeout.
+    /// No complete answer within the time limit.
     NoAnswer,
     /// The process ended; true for status 0.
     Ended(bool),
@@ -130,7 +147,7 @@ enum ServeResult {
 struct Dialog<'a> {
     call: Call,
     workspace: Workspace<'a>,
-    timeout: Duration,
+    time_limit: TimeLimit,
 }
 
 /// Maximum size of an answer in bytes.
@@ -144,7 +161,7 @@ impl<'a> Dialog<'a> {
         Some(Dialog {
             call: call.ok()?,
             workspace,
-            timeout: decoder.timeout,
+            time_limit: AttemptKind::Usual.time_limit(decoder.timeout),
         })
     }
 
@@ -176,7 +193,7 @@ impl<'a> Dialog<'a> {
     }
 
     fn wait(&mut self) -> ServeResult {
-        let deadline = Instant::now() + self.timeout.min(MAX_WAIT);
+        let deadline = Instant::now() + self.time_limit.0.min(MAX_WAIT);
         loop {
             let has_ended = self.call.has_ended();
             let read = self.call.read_available(MAX_ANSWER_BYTES);

@@ -107,7 +107,7 @@ fn interrupted_run_prints_the_reason_to_standard_error() {
     let line = format!("check --quiet --timeout 0.3 -- {}", zoo("hangs"));
     let output = here.command(&line).output().expect("the program starts");
     for text in [output.stdout, output.stderr] {
-        let why = "the run ended early: the decoder hung on three legal files in a row";
+        let why = "the run ended early: the decoder exceeds the time limit of 0.9 s (`--timeout`) on three legal files in a row";
         assert_contains(&String::from_utf8_lossy(&text), why);
     }
 }

@@ -27,6 +27,7 @@ fn plan(executions: usize) -> FuzzPlan {
         views: Vec::new(),
         declared: Capabilities::default(),
         formats: Vec::new(),
+        unanswered: Arc::default(),
         stop: Arc::default(),
     }
 }

@@ -12,6 +12,7 @@ use flate2::read::GzDecoder;
 use ptm_conform::kit::digest::sha256;
 use ptm_conform::protocol::frame::Frame;
 use ptm_conform::report::shards::RecordedAnswer;
+use ptm_conform::runner::run::AttemptKind;
 use serde::de::DeserializeOwned;
 
 pub fn folder() -> PathBuf {
@@ -36,7 +37,7 @@ pub fn recording<T: DeserializeOwned>(program: &str) -> Vec<RecordedAnswer<T>> {
         .lines()
         .filter_map(|line| serde_json::from_str(line).ok());
     answers
-        .filter(|answer: &RecordedAnswer<T>| !answer.new_process)
+        .filter(|answer: &RecordedAnswer<T>| answer.attempt == AttemptKind::Usual)
         .collect()
 }
 

@@ -1,6 +1,7 @@
 //! Tests that merged shards equal a run of the whole suite.
 
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use ptm_conform::Reading;
 use ptm_conform::decode::Alternative;
@@ -11,7 +12,7 @@ use ptm_conform::report::shards::{
     AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
 };
 use ptm_conform::report::{Report, conclude::conclude, document::Tool, merge::RecordedAnswers};
-use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::runner::run::{AttemptKind, Reply, Request};
 use ptm_conform::session::asking::DecoderFn;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::remark::Remark;
@@ -88,7 +89,7 @@ fn run_part(suite: &Suite, part: Shard, decoder: &Decoder, tool: &Tool, folder: 
         circumstances: circumstances(),
         plan,
         remarks: remarks(),
-        ended_early: run.ended_early.map(str::to_owned),
+        ended_early: run.ended_early.clone(),
     };
     recorder.finish(&end).expect("the answers are written");
     report
@@ -155,6 +156,25 @@ fn eight_merged_shards_equal_the_whole_run() {
             reference_answer(request)
         }
     });
+}
+
+/// Some files exceed the usual time limit, and all or some of them the higher one, too, so that not all are repeated.
+#[test]
+fn merged_shards_repeat_the_same_requests_as_the_whole_run() {
+    let suite = suite_of_small_files();
+    for endless in [1, 8] {
+        assert_same_report(&suite, &move |request| {
+            let limit = request.attempt.time_limit(Duration::from_secs(10));
+            let is_slow = is_sampled(request, 40);
+            match request.attempt {
+                AttemptKind::Usual | AttemptKind::Repetition if is_slow => Answer::TimedOut(limit),
+                AttemptKind::Alone if is_slow && is_sampled(request, endless * 40) => {
+                    Answer::TimedOut(limit)
+                }
+                _ => reference_answer(request),
+            }
+        });
+    }
 }
 
 #[test]

@@ -7,4 +7,5 @@ mod outputs;
 mod probe;
 mod readings;
 mod recorded_codec;
+mod time_limits;
 mod verdicts;

@@ -26,7 +26,8 @@ fn probe(text: &str, options: &str) -> (i32, String) {
 /// Probes a decoder, checks the exit status and the output, and returns the output.
 #[track_caller]
 fn assert_probed(text: &str, status: &str, parts: &str) -> String {
-    let (found, output) = probe(text, "");
+    // Programs that buffer their output answer only after this time.
+    let (found, output) = probe(text, "--timeout 3");
     assert_contains(&output, parts);
     assert_eq!(found.to_string(), status, "{output}");
     output
@@ -155,7 +156,7 @@ fn missing_output_is_explained() {
     assert_eq!(status, 3, "{output}");
     assert_contains(
         &output,
-        "hang: no end within 1 s && open no window, show no prompt",
+        "exceeds the time limit of 3 s (`--timeout`) && open no window, show no prompt",
     );
 }
 
@@ -281,7 +282,7 @@ fn serve_mode_faults_are_explained() {
         return;
     };
     let copy = edit(&decoder, "answers.flush()", "pass");
-    let (status, output) = probe(&copy, "--timeout 8");
+    let (status, output) = probe(&copy, "--timeout 3");
     let says = "serve: the decoder answers only when its standard input ends && flush standard output after each answer";
     assert_eq!(status, 1, "{output}");
     assert_contains(&output, says);

@@ -1,10 +1,12 @@
-//! Verdicts of a run: the table of outcomes, unsupported features, hangs and limits.
+//! Verdicts of a run: the table of outcomes, unsupported features, and limits.
 
-use ptm_conform::protocol::frame::Answer;
+use std::time::Duration;
+
+use ptm_conform::protocol::frame::{Answer, TimeLimit};
 use ptm_conform::ptm::Format;
 use ptm_conform::report::Report;
 use ptm_conform::report::{html, junit, suite_texts::SuiteTexts};
-use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::runner::run::{AttemptKind, Reply, Request};
 use ptm_conform::session::outcome::{Outcome, ResponseKind, outcome};
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, check};
@@ -17,12 +19,16 @@ use crate::in_process::{self, reference_answer, suite};
 fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Case) -> Option<Answer> + Sync) -> Run {
     in_process::run(suite, plan, |request| {
         let case = suite.case(request.name).expect("the case exists");
-        decoder(case).unwrap_or_else(|| reference_answer(request))
+        match decoder(case) {
+            Some(Answer::TimedOut(usual)) => Answer::TimedOut(request.attempt.time_limit(usual.0)),
+            Some(answer) => answer,
+            None => reference_answer(request),
+        }
     })
 }
 
-fn hang() -> Answer {
-    Answer::Hung("no end within 10 s".to_owned())
+fn timeout() -> Answer {
+    Answer::TimedOut(TimeLimit(Duration::from_secs(10)))
 }
 
 fn cases<'a>(suite: &'a Suite, run: &'a Run, outcome: Outcome) -> impl Iterator<Item = &'a Case> {
@@ -68,7 +74,7 @@ fn documents_show_the_verdict_table() {
         ("65, a feature not supported", Rejected, &[false]),
         ("69, a feature not supported", Unsupported, &[false]),
         (
-            "a crash, a hang, or any other violation",
+            "a crash, an exceeded limit, or any other violation",
             Violation,
             &[true, false],
         ),
@@ -167,31 +173,31 @@ fn unsupported_passes_refuse_and_lenient_cases() {
 }
 
 #[test]
-fn hangs_on_optional_files_do_not_end_a_run() {
+fn timeouts_on_optional_files_do_not_end_a_run() {
     let suite = suite();
     let run = run(&suite, &RunPlan::new(&suite, 3), |case| {
-        (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(hang)
+        (case.expect != Expect::Decode && case.expect != Expect::Spelling).then(timeout)
     });
     assert_eq!(run.ended_early, None);
     assert_eq!(run.judgment.with_outcome(Outcome::NotRun).count(), 0);
-    let is_hung = |case: &&Case| !matches!(case.expect, Expect::Decode | Expect::Spelling);
-    let hung = suite.cases.iter().filter(is_hung);
+    let is_slow = |case: &&Case| !matches!(case.expect, Expect::Decode | Expect::Spelling);
+    let slow = suite.cases.iter().filter(is_slow);
     assert_eq!(
         run.judgment.with_outcome(Outcome::Fail).count(),
-        hung.count()
+        slow.count()
     );
 }
 
 #[test]
-fn three_hangs_end_a_run_for_any_number_of_jobs() {
+fn three_timeouts_end_a_run_for_any_number_of_jobs() {
     let suite = suite();
     let cases = suite.cases.iter().enumerate();
     let legal = cases.filter(|(_, case)| case.expect == Expect::Decode && !case.first);
     let legal: Vec<usize> = legal.map(|(place, _)| place).skip(40).collect();
-    let hanging = [0, 1, 2].map(|place| &suite.cases[legal[place]].id);
+    let slow = [0, 1, 2].map(|place| &suite.cases[legal[place]].id);
     let reports = [1, 4].map(|jobs| {
         let plan = RunPlan::new(&suite, jobs);
-        let run = run(&suite, &plan, |case| hanging.contains(&&case.id).then(hang));
+        let run = run(&suite, &plan, |case| slow.contains(&&case.id).then(timeout));
         let not_run: Vec<usize> = run.judgment.with_outcome(Outcome::NotRun).collect();
         assert!(not_run.iter().copied().eq(legal[2] + 1..suite.cases.len()));
         assert_eq!(run.exit_status(), 1);
@@ -202,7 +208,7 @@ fn three_hangs_end_a_run_for_any_number_of_jobs() {
         let page = html::page(&suite, &texts, &report, &run);
         let text = report.to_text(&texts, 10);
         for (form, text) in [("text", &text), ("JUnit", &xml), ("HTML", &page)] {
-            let why = "the run ended early: the decoder hung on three legal files in a row; ";
+            let why = "the run ended early: the decoder exceeds the time limit of 30 s (`--timeout`) on three legal files in a row; ";
             let count = format!("{} cases were not run", not_run.len());
             assert!(text.contains(&(why.to_owned() + &count)), "{form}: {text}");
         }
@@ -212,11 +218,11 @@ fn three_hangs_end_a_run_for_any_number_of_jobs() {
 }
 
 #[test]
-fn hanging_first_file_does_not_end_the_run() {
+fn timeout_on_a_first_file_does_not_end_the_run() {
     let suite = suite();
     for format in [Format::Rgb, Format::Lum] {
         let run = run(&suite, &RunPlan::new(&suite, 2), |case| {
-            (case.first && case.format() == format).then(hang)
+            (case.first && case.format() == format).then(timeout)
         });
         assert!(
             run.ended_early.is_none() && run.not_a_decoder.is_none(),
@@ -238,9 +244,9 @@ fn different_limits_are_not_nondeterminism() {
             let out_of_memory = Answer::OutOfMemory("more than 2048 MiB".to_owned());
             let case = suite.case(request.name).expect("the case exists");
             match hoards(case) {
-                true if request.needs_new_process => Reply::from(hang()),
+                true if request.attempt == AttemptKind::Repetition => Reply::from(timeout()),
                 true => Reply {
-                    serve_mode_answer: served.then(hang),
+                    serve_mode_answer: served.then(timeout),
                     ..Reply::from(out_of_memory)
                 },
                 false => Reply::from(reference_answer(request)),

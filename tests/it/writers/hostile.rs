@@ -19,7 +19,7 @@ p=$(dirname "$2")/planes.npy; chmod u+w "$p" && echo x >> "$p" | tampering
 head -c 10000000000 /dev/zero > "$3" | in the output file
 truncate -s 10G "$3" || exit 1 |
 truncate -s 60M "$3" | in the output file
-sleep 1000 | no end within
+sleep 1000 | exceeds the time limit of 3 s (`--timeout`)
 yes > "$3" | in the output file
 "#;
 
