@@ -5,8 +5,9 @@ use std::borrow::Cow;
 use ptm_conform::Reading;
 use ptm_conform::decode::Alternative;
 use ptm_conform::misreadings::{self, Hook, Misreading, Symptom};
-use ptm_conform::protocol::frame::Answer;
+use ptm_conform::protocol::frame::{Answer, Samples};
 use ptm_conform::ptm::Size;
+use ptm_conform::report::Report;
 use ptm_conform::runner::run::Request;
 use ptm_conform::session::dialect::Certainty;
 use ptm_conform::session::outcome::Outcome;
@@ -581,4 +582,40 @@ fn references_are_followed_with_or_without_ranks() {
     assert_fails(&suite, &["2.9.4", "2.9.5"], 2, |request| {
         in_process::answer_with(&[sequence], request)
     });
+}
+
+/// A shorter path for blocks without AC coefficients that truncates is half a level too dark: one level in half of the samples.
+#[test]
+fn systematic_error_in_flat_blocks_is_reported_without_a_verdict() {
+    let suite = suite_of_small_files();
+    let darken = |request: &Request| {
+        let mut answer = reference_answer(request);
+        if let Answer::Decoded(frame) = &mut answer
+            && request.name.starts_with("flat-blocks-")
+            && let Samples::U8(samples) = &mut frame.samples
+        {
+            samples
+                .iter_mut()
+                .step_by(2)
+                .for_each(|sample| *sample = sample.saturating_sub(1));
+        }
+        answer
+    };
+    let notes = |decoder: &(dyn Fn(&Request) -> Answer + Sync)| {
+        let run = run(&suite, &["2.9.8/11"], decoder);
+        assert_eq!(failures(&suite, &run), []);
+        let report = Report::new(&suite, &run, &["none".to_owned()], Vec::new());
+        let notes = report.remarks.into_iter().map(|remark| remark.message);
+        notes
+            .filter(|note| note.contains("flat blocks"))
+            .collect::<Vec<String>>()
+    };
+    assert_eq!(notes(&reference_answer), Vec::<String>::new());
+    let found = notes(&darken);
+    assert_eq!(found.len(), 1);
+    // A few samples are 0 already.
+    assert!(
+        found[0].contains("0.49 below") || found[0].contains("0.50 below"),
+        "{found:?}"
+    );
 }
