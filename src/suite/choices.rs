@@ -70,7 +70,7 @@ const MOTION_HALF: Readings<Reading> = &[
         r.set(HalvesToEven);
     }),
     ("means are rounded up along x, and then along y", |r| {
-        r.set(HalvesRoundedUpTwice)
+        r.set(HalvesRoundedUpTwice);
     }),
 ];
 const MOTION_BORDER: Readings<Reading> = &[

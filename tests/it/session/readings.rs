@@ -177,8 +177,9 @@ fn other_means_of_half_texels_fail() {
     };
     // The pairs (a, b) and (c, d) are rows: their means are rounded up, and the mean of the means is rounded down.
     let down_along_y: fn([u8; 4]) -> u8 = |[a, b, c, d]| {
-        let [first, second] = [[a, b], [c, d]].map(|[a, b]| (u16::from(a) + u16::from(b) + 1) / 2);
-        ((first + second) / 2) as u8
+        let [first, second] =
+            [[a, b], [c, d]].map(|[a, b]| (u16::from(a) + u16::from(b)).div_ceil(2));
+        first.midpoint(second) as u8
     };
     for half in [off_by_two, down_along_y] {
         let decoder = with_step(Reading::SPEC, Hook::MotionHalf(half));
@@ -241,7 +242,9 @@ fn other_borders_fail() {
             Hook::Predictor(|reference, step, size, _| {
                 let mut plane = reference.to_vec();
                 if step.inverted {
-                    plane.iter_mut().for_each(|value| *value = 255 - *value);
+                    for value in &mut plane {
+                        *value = 255 - *value;
+                    }
                 }
                 if step.displaced {
                     plane = displace(&plane, size, step.motion, $outside);
