@@ -197,7 +197,7 @@ impl Damage {
     pub fn values(&self, model: &Model) -> Model {
         let mut model = model.clone();
         for (place, value) in &self.means {
-            let value = value.parse().expect("a test parses every value");
+            let value = value.parse().expect("the schema requires numbers");
             for (i, (scale, bias)) in model.scale.iter_mut().zip(&mut model.bias).enumerate() {
                 if *place == format!("scale[{i}]") {
                     *scale = value;

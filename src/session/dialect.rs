@@ -1,6 +1,5 @@
 //! The decoder's dialect (its readings of open questions), derived from observations.
 
-use std::borrow::Cow;
 use std::cell::RefCell;
 use std::collections::HashMap;
 
@@ -64,28 +63,37 @@ impl<'a, C: TestCase> DependentAnswers<'a, C> {
         if let Some(&is_right) = self.known.borrow().get(&(case, index)) {
             return is_right;
         }
-        let is_right = self.difference(case, dialect).is_none();
+        // Dialects are compared again and again, so the file is kept.
+        let mut files = self.files.borrow_mut();
+        let make = || self.suite.cases[case].make(TableSpelling::default());
+        let built = files.entry(case).or_insert_with(make);
+        let is_right = self.difference_in(case, built, dialect).is_none();
         self.known.borrow_mut().insert((case, index), is_right);
         is_right
     }
 
     /// Returns the difference between the image for a case and the correct image in a dialect, if any.
     pub fn difference(&self, case: usize, dialect: &Dialect) -> Option<C::Difference> {
+        let built = self.suite.cases[case].make(TableSpelling::default());
+        self.difference_in(case, &built, dialect)
+    }
+
+    fn difference_in(
+        &self,
+        case: usize,
+        built: &C::Built,
+        dialect: &Dialect,
+    ) -> Option<C::Difference> {
         let observation = self.observations[case].as_ref()?;
         let Response::Image { frame, .. } = &observation.response else {
             return None;
         };
-        let (view, this) = (&observation.view, &self.suite.cases[case]);
-        // An output that equals the reference's answer is not kept.
-        let output = frame.as_ref().map_or_else(
-            || this.expected_output(view).map(Cow::Owned),
-            |frame| Some(Cow::Borrowed(frame)),
-        )?;
-        let mut files = self.files.borrow_mut();
-        let built = files
-            .entry(case)
-            .or_insert_with(|| this.make(TableSpelling::default()));
-        this.difference_in(built, view, &output, dialect)
+        let (view, case) = (&observation.view, &self.suite.cases[case]);
+        match frame {
+            Some(frame) => case.difference_in(built, view, frame, dialect),
+            // An output that equals the reference's answer is not kept.
+            None => case.difference_in(built, view, &case.expected_output(view)?, dialect),
+        }
     }
 
     /// Returns the cases whose images depend on the dialect, with the choices that affect them. Nondeterministic responses are
