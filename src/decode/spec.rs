@@ -89,6 +89,7 @@ impl Reading {
             Alternative::RowsFirst => self.lum_matrix = color_matrix::row_major_rows,
             Alternative::UnitRange => self.lum_translation = evaluate::scaled_lum_translation,
             Alternative::LumClamped => self.lum_luminance = evaluate::clamped_lum_luminance,
+            Alternative::LumLimited => self.lum_luminance = evaluate::clamped_luminance,
             Alternative::LuminanceClamped => self.luminance = evaluate::clamped_luminance,
             Alternative::MotionReversed => self.motion_sign = predict::predictor_to_texel,
             Alternative::MotionAgainstRows => self.motion_vertical = predict::y_against_stored_rows,
@@ -125,6 +126,8 @@ pub enum Alternative {
     UnitRange,
     /// `lum-clamp`: Y is limited to 0…255 before the matrix multiplies it.
     LumClamped,
+    /// `lum-clamp`: Y is limited to 255 before the matrix multiplies it.
+    LumLimited,
     /// `luminance-clamp`: luminance is limited to 255 before it is multiplied by the color.
     LuminanceClamped,
     /// `motion-sign`: a vector points from the predictor to the texel.

@@ -12,8 +12,9 @@ use serde::Deserialize;
 use serde::de::{IntoDeserializer, value};
 
 use super::place::{DamagePlace, NamedPlaces, Spot};
+use super::recipe::Recipe;
 use super::stand_in::StandIn;
-use super::{model::Model, output::GeneratedFile};
+use super::{model::Model, output::GeneratedFile, write};
 use crate::ptm::{Coding, Format, Size};
 
 /// A named edit that damages a valid file.
@@ -190,6 +191,27 @@ impl Damage {
             removed.push(Spot::outside(start..bytes.len()));
         }
         Ok(removed.into_iter().map(|spot| (spot, Vec::new())).collect())
+    }
+
+    /// Returns an undamaged file with the values that a reader of the damaged one finds.
+    pub(crate) fn legal_file(&self, recipe: &Recipe) -> Vec<u8> {
+        let model = self.values(&Model::paint(recipe));
+        let mut recipe = recipe.clone();
+        for (place, text) in &self.means {
+            let numbers = if place.starts_with("scale") {
+                &mut recipe.scale
+            } else {
+                &mut recipe.bias
+            };
+            let mut texts = numbers.texts();
+            for (i, number) in texts.iter_mut().enumerate() {
+                if place.ends_with(&format!("[{i}]")) {
+                    *number = text;
+                }
+            }
+            *numbers = texts.join(" ").parse().expect("six numbers");
+        }
+        write(&recipe, &model).bytes
     }
 
     /// Returns the values that a reader finds if it ignores the damage, or reads it as the damage says.

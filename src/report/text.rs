@@ -195,7 +195,11 @@ impl Page<'_> {
         let report = self.report;
         self.write_dialect(out)?;
         let lenient = report.lenient.iter().map(Leniency::to_summary);
-        write_list(out, "outside the specification (see explain NAME)", lenient)?;
+        write_list(
+            out,
+            "files that need not be decoded (see explain NAME)",
+            lenient,
+        )?;
         if !report.decoder.unsupported.is_empty() {
             let unsupported = report.decoder.unsupported.join(", ");
             writeln!(out, "unsupported (exit status 69): {unsupported}")?;

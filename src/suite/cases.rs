@@ -35,7 +35,6 @@ pub enum Expect {
 
 impl Expect {
     /// Returns true if both the correct image and a refusal are right.
-    #[cfg(unix)]
     pub(crate) fn is_optional(self) -> bool {
         matches!(self, Expect::Lenient | Expect::Robust | Expect::Spelling)
     }
@@ -95,6 +94,8 @@ pub struct Built {
     pub fields: Vec<Field>,
     /// The values that a decoder should find.
     pub values: Values,
+    /// For a damaged file that may be read: a legal file with the same values.
+    pub(crate) legal: Option<Vec<u8>>,
     /// Correct images in other dialects that were needed so far, by view and combination of readings; `None` if the file is
     /// refused in that dialect.
     #[cfg_attr(
@@ -192,12 +193,16 @@ impl Case {
     }
 
     fn make(&self, table: TableSpelling) -> Built {
+        let mut legal = None;
         let (file, fields, values) = match &self.source {
             Source::Recipe(recipe, damage) => {
                 let mut recipe = recipe.clone();
                 if self.expect != Expect::Spelling {
                     recipe.spelling.count = table.count;
                     recipe.spelling.newline_after_table = table.newline;
+                }
+                if let Some(damage) = damage.filter(|_| self.expect.is_optional()) {
+                    legal = Some(damage.legal_file(&recipe));
                 }
                 self.write(&recipe, *damage)
             }
@@ -211,6 +216,7 @@ impl Case {
             file,
             fields,
             values,
+            legal,
             images: Mutex::default(),
         }
     }

@@ -332,7 +332,7 @@ pub fn have_tool(program: &str) -> bool {
             "python3, version 3.9 or later",
         ),
         "node" => (
-            "node -e 'process.exit(parseInt(process.versions.node) < 18)'",
+            "node -e 'process.exit(Number(parseInt(process.versions.node) < 18))'",
             "node, version 18 or later",
         ),
         "java" => (

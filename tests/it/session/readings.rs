@@ -130,6 +130,7 @@ fn decoders_pass_under_each_listed_reading_and_the_reading_is_reported() {
             ["1.0", "2"],
         ),
         (Alternative::LumClamped, "lum-clamp", ["1.0", "2"]),
+        (Alternative::LumLimited, "lum-clamp", ["1.0", "2"]),
         (Alternative::ChromaCentered, "lum-chroma", ["1.0", "2"]),
     ] {
         let reading = Reading::SPEC.with_alternative(alternative);
@@ -571,6 +572,12 @@ fn references_are_followed_with_or_without_ranks() {
         }))
     };
     assert_passes(&suite, &["2.9.4", "2.9.5"], with_file(follows));
+    // The image of a lenient file follows the readings of the decoder, too.
+    let without_offset = Reading::SPEC.with_alternative(Alternative::NoJpegLsOffset);
+    assert_passes(&suite, &["2.9.4", "2.9.5"], |request| {
+        let file = follows(request.file).expect("a file");
+        misreadings::answer(&[], without_offset, &file, request.view)
+    });
     let missing_is_0 = |file: &[u8]| {
         Some(with_list(file, 3, |references, _| {
             let planes = references.len() as i64;
