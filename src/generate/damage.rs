@@ -14,7 +14,7 @@ use serde::de::{IntoDeserializer, value};
 use super::place::{DamagePlace, NamedPlaces, Spot};
 use super::recipe::Recipe;
 use super::stand_in::StandIn;
-use super::{model::Model, output::GeneratedFile, write};
+use super::{model::Model, output::GeneratedFile};
 use crate::ptm::{Coding, Format, Size};
 
 /// A named edit that damages a valid file.
@@ -193,8 +193,8 @@ impl Damage {
         Ok(removed.into_iter().map(|spot| (spot, Vec::new())).collect())
     }
 
-    /// Returns an undamaged file with the values that a reader of the damaged one finds.
-    pub(crate) fn legal_file(&self, recipe: &Recipe) -> Vec<u8> {
+    /// Returns the recipe and the values of an undamaged file in which a reader finds what one of the damaged file finds.
+    pub(crate) fn without_damage(&self, recipe: &Recipe) -> (Recipe, Model) {
         let model = self.values(&Model::paint(recipe));
         let mut recipe = recipe.clone();
         for (place, text) in &self.means {
@@ -211,7 +211,7 @@ impl Damage {
             }
             *numbers = texts.join(" ").parse().expect("six numbers");
         }
-        write(&recipe, &model).bytes
+        (recipe, model)
     }
 
     /// Returns the values that a reader finds if it ignores the damage, or reads it as the damage says.
