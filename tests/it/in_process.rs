@@ -36,6 +36,11 @@ pub fn misreading(slug: &str) -> &'static Misreading {
 
 /// Returns a misreading that applies these edits to formulas.
 pub fn formula_misreading(edits: Vec<Edit>) -> Misreading {
+    step_misreading(Hook::Edits(edits.leak()))
+}
+
+/// Returns a misreading that changes one step.
+pub fn step_misreading(step: Hook) -> Misreading {
     Misreading {
         slug: "none",
         clause: "1.0/1",
@@ -45,7 +50,7 @@ pub fn formula_misreading(edits: Vec<Edit>) -> Misreading {
         fix: "",
         symptom: Symptom::Values,
         sightings: Vec::new(),
-        step: Hook::Edits(edits.leak()),
+        step,
     }
 }
 

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use ptm_conform::Reading;
 use ptm_conform::decode::Alternative;
-use ptm_conform::misreadings::{self, Hook, Misreading, Symptom};
+use ptm_conform::misreadings::{self, Hook};
 use ptm_conform::protocol::frame::{Answer, Samples};
 use ptm_conform::ptm::Size;
 use ptm_conform::report::Report;
@@ -16,7 +16,9 @@ use ptm_conform::session::run::Run;
 use ptm_conform::suite::cases::{Case, Suite};
 use ptm_conform::suite::choices::CHOICES;
 
-use crate::in_process::{self, jobs, misreading, reference_answer, suite_of_small_files};
+use crate::in_process::{
+    self, jobs, misreading, reference_answer, step_misreading, suite_of_small_files,
+};
 
 /// Runs the cases that test one of these sections, and their twins, against a decoder.
 fn run(suite: &Suite, sections: &[&str], decoder: impl Fn(&Request) -> Answer + Sync) -> Run {
@@ -69,17 +71,7 @@ fn assert_fails(
 
 /// Returns a decoder that follows `reading` except for one step.
 fn with_step(reading: Reading, step: Hook) -> impl Fn(&Request) -> Answer + Sync {
-    let mistake = Misreading {
-        slug: "none",
-        clause: "1.0/1",
-        violates: None,
-        reading_of: None,
-        effect: "",
-        fix: "",
-        symptom: Symptom::Values,
-        sightings: Vec::new(),
-        step,
-    };
+    let mistake = step_misreading(step);
     move |request| misreadings::answer(&[&mistake], reading, request.file, request.view)
 }
 
