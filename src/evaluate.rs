@@ -158,7 +158,8 @@ pub(crate) fn luminance(value: f64) -> f64 {
     value
 }
 
-/// Limits luminance to 255 (alternative to ruling `luminance-clamp`). A negative luminance gives the color 0 in any case.
+/// Limits luminance to 255 (alternative to rulings `luminance-clamp` and `lum-clamp`). In LRGB and tables, a negative luminance
+/// gives the color 0 in any case.
 pub(crate) fn clamped_luminance(value: f64) -> f64 {
     value.min(255.0)
 }
