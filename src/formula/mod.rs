@@ -10,9 +10,11 @@ pub mod edits;
 mod expression;
 mod formulas;
 mod stages;
+mod views;
 
 pub use edit::{Edit, EditedForm};
 pub use expression::{Expression, Function, Scope, parse};
 pub use formulas::{Formula, Stage, StatedFormula};
 pub use stages::Edits;
-pub(crate) use stages::{decode, final_values, image, stored_values};
+pub(crate) use stages::{decode, final_values, image};
+pub(crate) use views::{render, values};

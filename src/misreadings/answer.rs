@@ -6,7 +6,7 @@ use super::anatomy::{Anatomy, EditedFile};
 use super::{hook::Hook, misreading::Misreading};
 use crate::error::{Class, Error};
 use crate::formula::{self, Edit, Edits};
-use crate::protocol::frame::{Answer, Frame, View};
+use crate::protocol::frame::{Answer, View};
 use crate::ptm::Ptm;
 use crate::reading::Reading;
 
@@ -61,7 +61,7 @@ pub fn render(misreadings: &[&Misreading], reading: &Reading, ptm: &Ptm, view: &
         with_plane_edits(misreadings, ptm),
         formula_edits(misreadings),
     );
-    Answer::Decoded(Frame::render_edited(&ptm, view, reading, Edits(&edits)))
+    Answer::Decoded(formula::render(&ptm, view, reading, Edits(&edits)))
 }
 
 /// Computes the samples in `view` for a decoder with these mistakes. Colors are not rounded.
@@ -76,7 +76,7 @@ pub fn unrounded_values(
         with_plane_edits(misreadings, ptm),
         formula_edits(misreadings),
     );
-    view.values(&ptm, reading, Edits(&edits))
+    formula::values(&ptm, view, reading, Edits(&edits))
 }
 
 fn with_plane_edits<'a>(misreadings: &[&Misreading], ptm: &'a Ptm) -> Cow<'a, Ptm> {

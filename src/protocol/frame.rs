@@ -21,7 +21,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use crate::decode::StoredMap;
 use crate::error::byte_count;
-use crate::formula::{self, Edits};
+use crate::evaluate::{compute_coefficients, evaluate};
 use crate::ptm::{Ptm, Size};
 use crate::reading::Reading;
 
@@ -153,17 +153,14 @@ impl View {
         self.kind().name()
     }
 
-    /// Returns the values of all samples of `ptm` in this view, computed under `reading` with some formulas edited. Colors are
-    /// not rounded.
-    pub(crate) fn values(&self, ptm: &Ptm, reading: &Reading, edits: Edits) -> Vec<f64> {
-        let ptm = &*formula::stored_values(ptm, edits);
-        let finals = || formula::final_values(ptm, reading, edits);
+    /// Returns the values of all samples of `ptm` in this view under a reading. Colors are not rounded.
+    #[must_use]
+    pub fn values(&self, ptm: &Ptm, reading: &Reading) -> Vec<f64> {
+        let finals = || compute_coefficients(&ptm.header.scale_bias, &ptm.planes, reading);
         match self {
             View::Raw => ptm.planes.samples.iter().copied().map(f64::from).collect(),
             View::Coef => finals().values,
-            View::Rgb(Light { lu, lv, .. }) => {
-                formula::image(&finals(), *lu, *lv, reading, edits).values
-            }
+            View::Rgb(Light { lu, lv, .. }) => evaluate(&finals(), *lu, *lv, reading).values,
         }
     }
 }
@@ -359,18 +356,21 @@ impl Frame {
     /// Renders `ptm` in `view` under the reference's reading.
     #[must_use]
     pub fn render(ptm: &Ptm, view: &View) -> Frame {
-        Frame::render_edited(ptm, view, &Reading::SPEC, Edits(&[]))
+        match view {
+            // Bytes are copied without a conversion to real numbers.
+            View::Raw => Frame::of_map(ptm, view, Samples::U8(ptm.planes.samples.clone())),
+            _ => {
+                let values = view.values(ptm, &Reading::SPEC);
+                Frame::of_map(ptm, view, view.kind().samples(&values))
+            }
+        }
     }
 
-    /// Renders `ptm` in `view` under a reading, with some formulas edited.
-    pub(crate) fn render_edited(ptm: &Ptm, view: &View, reading: &Reading, edits: Edits) -> Frame {
+    /// Returns the frame of the map `ptm` with the given samples: all its texels, with the channels of the view.
+    #[must_use]
+    pub fn of_map(ptm: &Ptm, view: &View, samples: Samples) -> Frame {
         let (kind, size) = (view.kind(), ptm.planes.size);
         let channels = kind.channels(ptm.planes.shape.channels()) as u32;
-        let samples = match view {
-            // Bytes are copied without a conversion to real numbers.
-            View::Raw => Samples::U8(formula::stored_values(ptm, edits).planes.samples.clone()),
-            _ => kind.samples(&view.values(ptm, reading, edits)),
-        };
         Frame::exact(kind, [size.width, size.height, channels], samples)
     }
 

@@ -1,7 +1,6 @@
 //! Executes worked examples. A wrong value is an error, so published examples are always correct.
 
 use crate::decode::decode_as;
-use crate::formula::Edits;
 use crate::protocol::frame::View;
 use crate::ptm::{Limits, channel_name};
 use crate::reading::Reading;
@@ -46,7 +45,7 @@ impl WorkedExample {
         };
         let view: View = self.requested_view().parse()?;
         let count = view.kind().channels(ptm.planes.shape.channels());
-        let values = view.values(&ptm, reading, Edits(&[]));
+        let values = view.values(&ptm, reading);
         let channels = match numbers(self.channels.as_deref().unwrap_or_default())? {
             all if all.is_empty() => (0..count).collect(),
             some if some.iter().all(|&channel| channel < count) => some,

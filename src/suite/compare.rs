@@ -7,7 +7,6 @@
 use std::fmt;
 
 use crate::decode::decode_as;
-use crate::formula::Edits;
 use crate::protocol::frame::{Frame, Light, View, ViewKind};
 use crate::ptm::{Limits, Size, channel_name};
 use crate::reading::Reading;
@@ -85,7 +84,7 @@ impl Expected {
     /// Returns the samples of `file` in `view` under another reading, or `None` if the file is refused under that reading.
     pub(crate) fn from_file(file: &[u8], view: &View, reading: &Reading) -> Option<Expected> {
         let ptm = decode_as(file, reading, &Limits::default()).ok()?;
-        let values = view.values(&ptm, reading, Edits(&[]));
+        let values = view.values(&ptm, reading);
         Some(Expected::exact(view.kind(), ptm.header.size, values))
     }
 

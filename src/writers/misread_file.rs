@@ -8,7 +8,7 @@ use crate::formula::{self, Edit, Edits};
 use crate::misreadings::{
     Anatomy, EditedFile, Hook, Misreading, Stage, formula_edits, plane_edits, read,
 };
-use crate::protocol::frame::{Frame, Samples, View};
+use crate::protocol::frame::{Samples, View};
 use crate::ptm::{Ptm, ScaleBias, Shape};
 use crate::reading::Reading;
 use crate::writers::request::{WriteRequest, new_map};
@@ -173,7 +173,7 @@ impl MisreadFile {
     fn equals_in_view(&self, other: &MisreadFile, view: &str) -> bool {
         let view: View = view.parse().expect("a view");
         let [one, other] = [self, other]
-            .map(|it| Frame::render_edited(&it.ptm, &view, &it.reading, Edits(&it.edits)).samples);
+            .map(|it| formula::render(&it.ptm, &view, &it.reading, Edits(&it.edits)).samples);
         match (one, other) {
             (Samples::U8(one), Samples::U8(other)) => {
                 (one.iter().zip(&other)).all(|(a, b)| a.abs_diff(*b) <= 1)
