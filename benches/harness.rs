@@ -18,7 +18,7 @@ use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::runner::serve::Servers;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::check;
-use ptm_conform::suite::cases::Suite;
+use ptm_suite::cases::Suite;
 
 /// Number of measurements of each kind. The best one counts, because the others include more unrelated load.
 const ROUNDS: usize = 3;

@@ -9,9 +9,9 @@ use std::hint::black_box;
 
 use criterion::{BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 
-use ptm_conform::codec::{jpeg, jpeg_ls};
-use ptm_conform::generate::{Model, Recipe, write};
-use ptm_conform::ptm::{Format, Size};
+use ptm::codec::{jpeg, jpeg_ls};
+use ptm::{Format, Size};
+use ptm_generate::{Model, Recipe, write};
 
 const SIDE: u32 = 512;
 
@@ -24,13 +24,13 @@ fn decoder(criterion: &mut Criterion) {
             BenchmarkId::from_parameter(format.short_name()),
             &file,
             |b, file| {
-                b.iter(|| ptm_conform::decode(black_box(file)).expect("a legal file"));
+                b.iter(|| ptm::decode(black_box(file)).expect("a legal file"));
             },
         );
     }
     group.finish();
 
-    let ptm = ptm_conform::decode(&common::file(Format::Lrgb, SIDE, SIDE)).expect("a legal file");
+    let ptm = ptm::decode(&common::file(Format::Lrgb, SIDE, SIDE)).expect("a legal file");
     criterion.bench_function("coefficients", |b| {
         b.iter(|| black_box(&ptm).coefficients());
     });

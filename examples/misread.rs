@@ -9,9 +9,9 @@ use std::env;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use ptm_conform::Reading;
-use ptm_conform::misreadings::{self, Misreading};
-use ptm_conform::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
+use ptm::Reading;
+use ptm_mistakes::Misreading;
+use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
 
 fn main() -> ExitCode {
     let words: Vec<String> = env::args().collect();
@@ -43,9 +43,9 @@ fn answer(slugs: &str, view: &str, file: &str) -> Result<Answer, String> {
     let mistakes: Vec<&Misreading> = slugs
         .split(',')
         .filter(|slug| !slug.is_empty())
-        .map(|slug| misreadings::find(slug).ok_or_else(|| format!("no misreading {slug}")))
+        .map(|slug| ptm_mistakes::find(slug).ok_or_else(|| format!("no misreading {slug}")))
         .collect::<Result<_, _>>()?;
     let view: View = view.parse()?;
     let file = std::fs::read(file).map_err(|error| format!("{file}: {error}"))?;
-    Ok(misreadings::answer(&mistakes, Reading::SPEC, &file, &view))
+    Ok(ptm_mistakes::answer(&mistakes, Reading::SPEC, &file, &view))
 }

@@ -9,7 +9,6 @@ use std::env;
 use std::path::Path;
 use std::process::ExitCode;
 
-use ptm_conform::misreadings;
 use ptm_conform::writers::reference::{NotWritten, write_requested_file};
 use ptm_conform::writers::request::RequestHeader;
 use ptm_conform::writers::wrong_files::write_with_mistake;
@@ -31,7 +30,7 @@ fn main() -> ExitCode {
 
 /// Writes the file of a writer with this mistake, or the correct file if the mistake does not affect it.
 fn write(slug: &str, request: &str, out: &Path) -> Result<u8, String> {
-    let mistake = misreadings::find(slug).ok_or_else(|| format!("no misreading {slug}"))?;
+    let mistake = ptm_mistakes::find(slug).ok_or_else(|| format!("no misreading {slug}"))?;
     let read = |path: &str| std::fs::read(path).map_err(|error| format!("{path}: {error}"));
     let header = RequestHeader::read(&read(request)?)?;
     let array = read(&header.planes)?;

@@ -10,8 +10,8 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio, exit};
 use std::time::Duration;
 
-use ptm_conform::decode;
-use ptm_conform::protocol::frame::{Frame, Samples, View, ViewKind};
+use ptm::decode;
+use ptm_suite::protocol::frame::{Frame, Samples, View, ViewKind};
 
 fn main() {
     let words: Vec<String> = std::env::args().skip(1).collect();
@@ -172,7 +172,7 @@ fn correct_response(view: &str, file: &str) -> Correct {
     let file = fs::read(file).unwrap_or_else(|_| exit(66));
     match decode(&file) {
         Ok(ptm) => Correct::Frame(bytes(&Frame::render(&ptm, &view))),
-        Err(error) if error.class() == ptm_conform::error::Class::Malformed => Correct::Malformed,
+        Err(error) if error.class() == ptm::error::Class::Malformed => Correct::Malformed,
         Err(_) => Correct::Unsupported,
     }
 }

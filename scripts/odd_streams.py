@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Generates JPEG streams of the coding processes that the reference does not support, for src/generate/damage.rs.
+"""Generates JPEG streams of the coding processes that the reference does not support, for crates/ptm-generate/src/damage.rs.
 
     python3 scripts/odd_streams.py
 

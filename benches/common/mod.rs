@@ -1,8 +1,8 @@
 //! Generator of large PTM files.
 #![allow(dead_code)] // each benchmark uses a part of this module
 
-use ptm_conform::codec::{jpeg, jpeg_ls};
-use ptm_conform::ptm::{Coding, Format};
+use ptm::codec::{jpeg, jpeg_ls};
+use ptm::{Coding, Format};
 
 /// Returns a pseudorandom number that depends only on the position and the seed.
 fn hash(x: u32, y: u32, seed: u32) -> u32 {

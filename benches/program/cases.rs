@@ -4,13 +4,13 @@ use std::fmt::Write;
 use std::fs;
 use std::sync::Mutex;
 
-use ptm_conform::Reading;
-use ptm_conform::misreadings::answer;
-use ptm_conform::ptm::Format;
+use ptm::Format;
+use ptm::Reading;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, check};
-use ptm_conform::suite::cases::Suite;
+use ptm_mistakes::answer;
+use ptm_suite::cases::Suite;
 
 use crate::measure::{own_time, slope};
 

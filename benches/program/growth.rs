@@ -3,8 +3,8 @@
 use std::path::Path;
 use std::process::Command;
 
-use ptm_conform::protocol::frame::View;
-use ptm_conform::ptm::Format;
+use ptm::Format;
+use ptm_suite::protocol::frame::View;
 
 use crate::measure::{measure_in_turn, memory_of_call, slope};
 use crate::{common, reference, run_to_file, write_file};

@@ -18,7 +18,7 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-use ptm_conform::ptm::Format;
+use ptm::Format;
 
 use measure::{Spent, measure_in_turn, memory_of_call, own_time, time_of};
 

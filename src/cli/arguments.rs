@@ -2,7 +2,8 @@
 
 use std::time::Duration;
 
-use crate::{protocol::frame::EXIT_UNSUPPORTED, ptm::Format};
+use ptm::Format;
+use ptm_suite::protocol::frame::EXIT_UNSUPPORTED;
 
 /// Converts a timeout in seconds to a duration. Rejects zero, negative and non-finite values.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {

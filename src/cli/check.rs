@@ -14,8 +14,6 @@ use super::subject::{Answers, Subject, decoder_for_command};
 use super::terminal::print_styled;
 use super::{CommandResult, own_files};
 use super::{calls::quote_command, check_args::CheckArgs};
-use crate::misreadings;
-use crate::protocol::capabilities::Capabilities;
 use crate::report::reported::find_misreadings;
 use crate::report::shards::{Circumstances, OtherRemarks};
 use crate::runner::{processes, run::Request, scratch::Scratch, serve::Servers};
@@ -25,7 +23,8 @@ use crate::session::probe::{ProbeStep, wrapper_faults};
 use crate::session::remark::Remark;
 use crate::session::{lit_scene, locale, texture_stage};
 use crate::strength::smoke;
-use crate::suite::{cases::Suite, texture::test_case::TextureView};
+use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::{cases::Suite, texture::test_case::TextureView};
 
 /// Runs a suite.
 pub fn run(args: &CheckArgs) -> CommandResult {
@@ -57,7 +56,7 @@ fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
     };
     let selected = args.select_cases(&suite, &subset)?;
     for slug in &args.assumed {
-        let slugs = misreadings::all().map(|misreading| misreading.slug);
+        let slugs = ptm_mistakes::all().map(|misreading| misreading.slug);
         let known = find_misreadings(std::slice::from_ref(slug));
         known.map_err(|error| error + &did_you_mean(slug, slugs))?;
     }

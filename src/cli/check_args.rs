@@ -9,11 +9,11 @@ use super::arguments::{id_filter, is_at_or_below, parse_refusal};
 use super::calls::{RunArgs, quote_command};
 use super::{CommandError, EXIT_NOTHING_SELECTED};
 use super::{ending::OutputArgs, names::did_you_mean};
-use crate::protocol::frame::ViewKind;
 use crate::report::shards::Shard;
 use crate::runner::processes;
 use crate::session::plan::SAMPLE_INTERVAL;
-use crate::suite::{cases::Suite, test_case::TestCase};
+use ptm_suite::protocol::frame::ViewKind;
+use ptm_suite::{cases::Suite, test_case::TestCase};
 
 /// Run the suite on a decoder and name the clauses that it misreads.
 ///

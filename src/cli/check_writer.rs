@@ -1,5 +1,7 @@
 //! `ptm-conform check-writer`: runs a suite of requests, from first contact to the report and the likely causes.
 
+use crate::writers::cases::load_writer_requests;
+use crate::writers::fitting::cases::load_fitter_requests;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -11,14 +13,14 @@ use super::guard::{ScratchGuard, stop_on_signals};
 use super::subject::{decoder_for_command, decoder_from_template};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use super::{arguments::id_filter, calls::RunArgs, driver::ProgramRun, ending::OutputArgs};
-use crate::ptm::Format;
 use crate::runner::processes;
 use crate::runner::run::{Decoder, Request};
 use crate::runner::template::Template;
-use crate::suite::cases::Suite;
 use crate::writers::asking::{self, VALUES};
 use crate::writers::fitting::photographs::ImageSet;
 use crate::writers::test_case::{FileCase, RequestValues, WriteView};
+use ptm::Format;
+use ptm_suite::cases::Suite;
 
 /// Check a program that writes PTM files and name the clauses that it gets wrong.
 ///
@@ -79,9 +81,9 @@ pub fn run(args: &CheckWriterArgs) -> CommandResult {
     args.output.check(&args.run.report)?;
     if args.fitter {
         let own = args.lp.as_deref().map(ImageSet::read).transpose()?;
-        check(args, &Suite::load_fitter_requests(own.as_ref()), &stop)
+        check(args, &load_fitter_requests(own.as_ref()), &stop)
     } else {
-        check(args, &Suite::load_writer_requests()?, &stop)
+        check(args, &load_writer_requests()?, &stop)
     }
 }
 

@@ -13,8 +13,8 @@ use std::sync::{Condvar, Mutex};
 #[cfg(unix)]
 use super::files::is_named_pipe;
 use super::files::path_from_bytes;
-use crate::ptm::Format;
-use crate::tools::dissection::Dissection;
+use ptm::Format;
+use ptm_files::dissection::Dissection;
 
 /// Number of folder entries that are read and sorted at a time.
 const NAMES_PER_READ: usize = 4096;

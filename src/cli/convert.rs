@@ -5,9 +5,9 @@ use std::path::PathBuf;
 use clap::Args;
 
 use super::{CommandError, CommandResult, files, output, readers};
-use crate::ptm::Format;
-use crate::tools::convert::{Target, convert};
-use crate::tools::{convert_for::convert_for, dissection::Dissection, repair::repair};
+use ptm::Format;
+use ptm_files::convert::{Target, convert};
+use ptm_files::{convert_for::convert_for, dissection::Dissection, repair::repair};
 
 /// Convert a map to another format, without loss unless a lossy format is requested.
 ///

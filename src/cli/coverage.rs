@@ -4,9 +4,9 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::kit::yaml::to_yaml;
 use crate::strength::{coverage::Coverage, matrix::matrix, smoke};
-use crate::suite::cases::Suite;
+use ptm_suite::cases::Suite;
+use ptm_suite::kit::yaml::to_yaml;
 
 use super::output::{jobs, print, with_progress};
 use super::{CommandResult, files::write_atomically};

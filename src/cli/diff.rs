@@ -7,7 +7,7 @@ use clap::Args;
 use super::output::{self, MachineFormatArgs};
 use super::terminal::print_styled;
 use super::{CommandResult, files};
-use crate::tools::{diff::diff, dissection::Dissection};
+use ptm_files::{diff::diff, dissection::Dissection};
 
 /// Compare two maps: header fields, planes, number of texels that differ, size and position of the first difference.
 ///

@@ -22,7 +22,7 @@ use crate::runner::run::{Decoder, Request};
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::run::{Observations, Run, Session};
 use crate::session::{asking::DecoderFn, contact::Contact, observation::Observation};
-use crate::suite::cases::Suite;
+use ptm_suite::cases::Suite;
 
 /// Minimum number of cases outside the smoke subset for an early report of causes. Shorter runs report causes only at the end.
 const MIN_OTHER_CASES: usize = 200;

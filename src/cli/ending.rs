@@ -12,7 +12,7 @@ use super::terminal::print_styled;
 use crate::report::{Report, baseline::Baseline, document::BaselineComparison};
 use crate::report::{github, html, junit, reported::Reportable, suite_texts::SuiteTexts};
 use crate::session::run::Run;
-use crate::suite::cases::Suite;
+use ptm_suite::cases::Suite;
 
 /// Options for other output formats and for lists of known failures.
 #[derive(Args)]

@@ -1,5 +1,6 @@
 //! `ptm-conform explain`: describes a case, clause, ruling, misreading or lint code, or lists all ids.
 
+use crate::writers::cases::load_writer_requests;
 use std::collections::BTreeMap;
 #[cfg(unix)]
 use std::collections::HashMap;
@@ -15,20 +16,20 @@ use super::terminal::print_styled;
 use super::{
     CommandResult, arguments::is_at_or_below, links::page_line, names::did_you_mean, readers,
 };
-use crate::kit::digest::sha256;
-use crate::misreadings::{self, Misreading, writing};
-use crate::ptm::Format;
-use crate::readers::ReaderProfile;
 #[cfg(unix)]
 use crate::session::outcome::Outcome;
 #[cfg(unix)]
 use crate::strength::matrix::run_with_mistakes;
-use crate::suite::address;
-use crate::suite::cases::{Case, Suite, TableSpelling};
-use crate::suite::clauses::{self, Clause, Ruling, section_of};
-use crate::suite::texture::cases as texture;
-use crate::suite::{name::SuiteName, test_case::TestCase};
-use crate::tools::lint::codes::{self, Code};
+use ptm::Format;
+use ptm_files::lint::codes::{self, Code};
+use ptm_files::readers::ReaderProfile;
+use ptm_mistakes::{Misreading, writing};
+use ptm_suite::address;
+use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::clauses::{self, Clause, Ruling, section_of};
+use ptm_suite::kit::digest::sha256;
+use ptm_suite::texture::cases as texture;
+use ptm_suite::{name::SuiteName, test_case::TestCase};
 
 /// Explain a case, a clause, a ruling, a misreading, a lint code or a public reader.
 #[derive(Args)]
@@ -56,7 +57,7 @@ pub fn run(args: &ExplainArgs) -> CommandResult {
 /// Describes the `check-writer` request with this id. Returns an empty string if there is none.
 #[cfg(unix)]
 fn explain_request(id: &str) -> Result<String, String> {
-    let suite = Suite::load_writer_requests()?;
+    let suite = load_writer_requests()?;
     let Some(case) = suite.case(id) else {
         return Ok(String::new());
     };
@@ -95,9 +96,9 @@ fn list_ids(suite: &Suite) -> Result<String, String> {
     let rulings = clauses::rulings()?;
     let names: Vec<&str> = rulings.iter().map(|ruling| ruling.id.as_str()).collect();
     let _ = writeln!(text, "\n{} rulings:\n  {}", names.len(), names.join(", "));
-    let _ = writeln!(text, "\n{} misreadings:", misreadings::all().count());
+    let _ = writeln!(text, "\n{} misreadings:", ptm_mistakes::all().count());
     for section in &sections {
-        let about = misreadings::all().filter(|found| section_of(found.clause) == *section);
+        let about = ptm_mistakes::all().filter(|found| section_of(found.clause) == *section);
         let slugs: Vec<&str> = about.map(|misreading| misreading.slug).collect();
         if !slugs.is_empty() {
             let _ = writeln!(text, "  {section}: {}", slugs.join(", "));
@@ -125,7 +126,7 @@ fn explain(id: &str) -> Result<Option<String>, String> {
     text.push_str(&explain_request(id)?);
     let clauses = clauses::clauses()?;
     text += &explain_rules(&suite, pages, &clauses, &clauses::rulings()?, id);
-    if let Some(misreading) = misreadings::find(id) {
+    if let Some(misreading) = ptm_mistakes::find(id) {
         text += &explain_misreading(misreading, "clause");
         let clause = clauses.iter().find(|clause| clause.id == misreading.clause);
         text.extend(clause.map(|clause| format!("  The clause says: {}\n", clause.rule)));
@@ -192,7 +193,7 @@ fn explain_texture(id: &str) -> Result<String, String> {
     }
     let (clauses, rulings) = (texture::clauses()?, texture::rulings()?);
     text += &explain_rules(&suite, pages, &clauses, &rulings, id);
-    if let Some(misreading) = misreadings::texture::find(id) {
+    if let Some(misreading) = ptm_mistakes::texture::find(id) {
         text += &explain_misreading(misreading, "requirement");
         text += &page_line(Some(pages.misreading_page(id)));
     }
@@ -360,7 +361,7 @@ fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {
     let known = cases
         .chain(clauses.iter().map(|clause| clause.id.as_str()))
         .chain(rulings.iter().map(|ruling| ruling.id.as_str()))
-        .chain(misreadings::all().map(|misreading| misreading.slug))
+        .chain(ptm_mistakes::all().map(|misreading| misreading.slug))
         .chain(codes::ALL.iter().map(|code| code.id))
         .chain(profiles.iter().map(|profile| profile.name.as_str()));
     let hint = match did_you_mean(id, known) {

@@ -6,7 +6,7 @@ use clap::Args;
 use image::ImageFormat;
 
 use super::{CommandResult, files, output};
-use crate::tools::{export, render::encode_image};
+use ptm_files::{export, render::encode_image};
 
 /// Export the values of a map as OpenEXR, NPY or PNG. The suffix of the output file selects the format.
 ///

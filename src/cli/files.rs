@@ -6,11 +6,11 @@ use std::io::{self, Read, Write};
 use std::path::{Path, PathBuf};
 
 use super::CommandError;
-use crate::error::Class;
-use crate::kit::strip_os_error_code;
-use crate::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
-use crate::ptm::Ptm;
-use crate::tools::dissection::Dissection;
+use ptm::Ptm;
+use ptm::error::Class;
+use ptm_files::dissection::Dissection;
+use ptm_suite::kit::strip_os_error_code;
+use ptm_suite::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 
 /// Maximum number of bytes read from a pipe or a device, which may be endless.
 const MAX_STREAM_BYTES: u64 = 1 << 28;
@@ -100,7 +100,7 @@ pub fn read_map(path: &Path) -> Result<Ptm, CommandError> {
 }
 
 /// Returns the exit status for a decoding error.
-pub fn status(error: &crate::error::Error) -> u8 {
+pub fn status(error: &ptm::error::Error) -> u8 {
     let status = match error.class() {
         Class::Malformed => EXIT_MALFORMED,
         Class::Unsupported | Class::Limit => EXIT_UNSUPPORTED,

@@ -9,13 +9,13 @@ use super::output::{jobs, print_note, with_progress};
 use super::{CommandResult, files};
 use super::{arguments::id_filter, names::did_you_mean};
 #[cfg(unix)]
-use crate::protocol::frame::ViewKind;
-use crate::ptm::Format;
-#[cfg(unix)]
 use crate::session::outputs;
-use crate::suite::cases::{Case, Suite, TableSpelling};
-use crate::suite::corpus;
-use crate::tools::profiles::{self, Profile};
+use ptm::Format;
+use ptm_files::profiles::{self, Profile};
+use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::corpus;
+#[cfg(unix)]
+use ptm_suite::protocol::frame::ViewKind;
 
 /// Write test files: every file of the suite, the expected frame, and a manifest with digests.
 ///

@@ -6,7 +6,7 @@ use clap::Args;
 
 use super::output::{self, MachineFormatArgs};
 use super::{CommandResult, files};
-use crate::tools::{dissection::Dissection, inspect::inspect};
+use ptm_files::{dissection::Dissection, inspect::inspect};
 
 /// Show every field of a file: offset, clause and value.
 ///

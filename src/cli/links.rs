@@ -5,11 +5,10 @@ use std::fmt::Write as _;
 use std::io::IsTerminal;
 use std::sync::LazyLock;
 
-use crate::misreadings;
-use crate::suite::address::{self, published_url};
-use crate::suite::texture::cases as texture;
-use crate::suite::{cases::Suite, clauses, name::SuiteName};
-use crate::tools::lint::codes;
+use ptm_files::lint::codes;
+use ptm_suite::address::{self, published_url};
+use ptm_suite::texture::cases as texture;
+use ptm_suite::{cases::Suite, clauses, name::SuiteName};
 
 /// Returns a line with the URL of a page, or an empty string if there is no page.
 pub fn page_line(page: Option<String>) -> String {
@@ -52,7 +51,7 @@ static PAGES: LazyLock<HashMap<String, String>> = LazyLock::new(|| {
             put(&clause.id, suite.clause_page(&clause.id));
         }
     }
-    for misreading in misreadings::all() {
+    for misreading in ptm_mistakes::all() {
         put(misreading.slug, Some(ptm.misreading_page(misreading.slug)));
     }
     for code in codes::ALL.iter() {

@@ -16,12 +16,12 @@ use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, MachineFormatArgs};
 use super::readers;
 use super::{CommandResult, EXIT_NOTHING_SELECTED};
-use crate::kit::{parallel::process_in_order, strip_os_error_code, yaml};
-use crate::readers::ReaderProfile;
-use crate::tools::lint::Lint;
-use crate::tools::lint::codes::{ALL, Severity};
-use crate::tools::lint::status::{MAGIC, Status};
-use crate::tools::lint::{names::escape_name, settings::Settings};
+use ptm_files::lint::Lint;
+use ptm_files::lint::codes::{ALL, Severity};
+use ptm_files::lint::status::{MAGIC, Status};
+use ptm_files::lint::{names::escape_name, settings::Settings};
+use ptm_files::readers::ReaderProfile;
+use ptm_suite::kit::{parallel::process_in_order, strip_os_error_code, yaml};
 
 /// Check files for errors, predict what other readers may show, and suggest fixes.
 ///

@@ -3,11 +3,11 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use crate::kit::yaml::to_yaml;
-use crate::readers::ReaderProfile;
-use crate::tools::lint::{Lint, csv, sarif};
-use crate::tools::lint::{codes::Severity, status::Status, totals::Totals};
 use clap::ValueEnum;
+use ptm_files::lint::{Lint, csv, sarif};
+use ptm_files::lint::{codes::Severity, status::Status, totals::Totals};
+use ptm_files::readers::ReaderProfile;
+use ptm_suite::kit::yaml::to_yaml;
 
 use super::{links::add_links, output};
 

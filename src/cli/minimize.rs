@@ -11,11 +11,11 @@ use super::{CommandResult, calls::CallArgs, files, fuzz::CALLS_TEMPLATE};
 
 use crate::diagnose::equal_up_to_rounding;
 use crate::fuzz::reduce;
-use crate::misreadings::{self, Misreading};
-use crate::protocol::frame::{Answer, Frame, View};
-use crate::reading::Reading;
 use crate::runner::run::Request;
-use crate::suite::cases::{Suite, TableSpelling};
+use ptm::reading::Reading;
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::{Suite, TableSpelling};
+use ptm_suite::protocol::frame::{Answer, Frame, View};
 
 /// Reduce a file while a decoder still fails on it in the same way.
 ///
@@ -95,7 +95,7 @@ pub fn run(args: &MinimizeArgs) -> CommandResult {
 fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
     let explains = |misreading: &&Misreading| {
         answers.iter().all(|(file, answer)| {
-            let made = misreadings::answer(&[*misreading], Reading::SPEC, file, view);
+            let made = ptm_mistakes::answer(&[*misreading], Reading::SPEC, file, view);
             match (&made, answer) {
                 (Answer::Decoded(made), Answer::Decoded(shown)) => {
                     equal_up_to_rounding(made, shown)
@@ -104,7 +104,7 @@ fn print_causes(answers: &[(&Vec<u8>, Answer)], view: &View) {
             }
         })
     };
-    let causes: Vec<&Misreading> = misreadings::all().filter(explains).collect();
+    let causes: Vec<&Misreading> = ptm_mistakes::all().filter(explains).collect();
     for cause in causes.iter().filter(|_| causes.len() <= MAX_CAUSES) {
         let (slug, effect, clause) = (cause.slug, cause.effect, cause.clause);
         print(&format!(
@@ -118,7 +118,7 @@ const MAX_CAUSES: usize = 3;
 
 /// Describes how an answer differs from the reference. Returns `None` if it does not differ.
 fn symptom(file: &[u8], view: &View, answer: &Answer) -> Option<String> {
-    let symptom = match (crate::decode(file), answer) {
+    let symptom = match (ptm::decode(file), answer) {
         (Ok(ptm), Answer::Decoded(frame)) => {
             let is_equivalent = equal_up_to_rounding(&Frame::render(&ptm, view), frame);
             if is_equivalent {

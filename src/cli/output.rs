@@ -10,7 +10,7 @@ use serde::Serialize;
 use terminal_size::{Height, Width};
 use textwrap::{Options, WordSeparator, WordSplitter};
 
-use crate::kit::yaml::to_yaml;
+use ptm_suite::kit::yaml::to_yaml;
 
 /// Options common to all commands.
 #[derive(Args)]

@@ -4,11 +4,11 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use crate::kit::yaml::to_yaml;
-use crate::protocol::frame::View;
 use crate::runner::run::{Decoder, Request};
 use crate::runner::scratch::Scratch;
 use crate::session::files::{FileResult, FilesReport, check_file};
+use ptm_suite::kit::yaml::to_yaml;
+use ptm_suite::protocol::frame::View;
 
 use super::files::{read, with_path, write_atomically};
 use super::guard::check_for_trouble;

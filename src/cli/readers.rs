@@ -2,11 +2,11 @@
 
 use std::path::Path;
 
-use crate::kit::yaml;
-use crate::readers::{
+use ptm_files::readers::{
     OpenedFile, ReaderPrediction, ReaderProfile, Rendering, parse_profiles, profiles,
 };
-use crate::tools::{convert_for::convert_for, dissection::Dissection};
+use ptm_files::{convert_for::convert_for, dissection::Dissection};
+use ptm_suite::kit::yaml;
 
 use super::{files::with_path, names::did_you_mean};
 

@@ -3,13 +3,13 @@
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 
-use crate::error::Class;
-use crate::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
-use crate::ptm::Format;
 use crate::writers::fitting::optimum::optimum;
 use crate::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
 use crate::writers::reference::{self, NotWritten};
 use crate::writers::request::{RequestHeader, WriteRequest};
+use ptm::Format;
+use ptm::error::Class;
+use ptm_suite::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
 
 use super::{CommandError, CommandResult, files};
 
@@ -61,7 +61,7 @@ fn status(outcome: io::Result<()>) -> CommandResult {
 
 fn print_view(view: &View, path: &Path) -> CommandResult {
     let file = files::read(path)?;
-    let map = crate::decode::open(&file)
+    let map = ptm::decode::open(&file)
         .map_err(|error| CommandError::refused(path, files::status(&error), &error.to_string()))?;
     // Standard output is line-buffered, so add a larger buffer.
     let mut out = io::BufWriter::with_capacity(1 << 18, io::stdout().lock());
@@ -128,7 +128,7 @@ fn answer_line(line: &[u8]) -> io::Result<Vec<u8>> {
         return Ok(with_number("unsupported view".to_owned()));
     };
     let file = files::read(&files::path_from_bytes(path.to_vec())).map_err(io::Error::other)?;
-    Ok(match crate::decode(&file) {
+    Ok(match ptm::decode(&file) {
         Ok(ptm) => {
             let mut frame = Vec::new();
             Frame::render(&ptm, &view).write(&mut frame)?;

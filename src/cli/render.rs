@@ -7,7 +7,7 @@ use image::ImageFormat;
 
 use super::arguments::parse_pair;
 use super::{CommandResult, files, output};
-use crate::tools::render::{encode_image, normals, render_lit, sheet, upscale};
+use ptm_files::render::{encode_image, normals, render_lit, sheet, upscale};
 
 /// Render a map under one light or under many lights, or render its normals.
 ///

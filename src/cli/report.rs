@@ -7,11 +7,11 @@ use clap::{Args, Subcommand};
 use super::arguments::id_filter;
 use super::ending::{OutputArgs, ReportWriter};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
-use crate::kit::escape_controls;
 use crate::report::{Report, badge, github, html, junit};
 use crate::report::{merge::RecordedAnswers, reported::Reportable, suite_texts::SuiteTexts};
-use crate::suite::{cases::Case, name::SuiteName, texture::cases::TextureCase};
 use crate::writers::{cases::WriterCase, fitting::cases::FitCase};
+use ptm_suite::kit::escape_controls;
+use ptm_suite::{cases::Case, name::SuiteName, texture::cases::TextureCase};
 
 /// Show, compare, merge and convert reports of check.
 #[derive(Args)]

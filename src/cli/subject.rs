@@ -6,13 +6,13 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::protocol::frame::{Answer, ViewKind};
 use crate::report::words::CALLER_COMMAND;
 use crate::runner::caller::Caller;
 use crate::runner::run::{Decoder, Reply, Request};
 use crate::runner::template::Template;
 use crate::session::outputs::Outputs;
-use crate::suite::cases::{Case, Expect, Suite};
+use ptm_suite::cases::{Case, Expect, Suite};
+use ptm_suite::protocol::frame::{Answer, ViewKind};
 
 use super::{check_args::CheckArgs, files::with_path};
 

@@ -10,13 +10,13 @@ use super::files::{self, with_path, write_atomically};
 use super::output::print;
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 
-use crate::kit::yaml::from_yaml;
-use crate::ptm::Size;
-use crate::suite::texture::cases::parse_cases;
-use crate::suite::texture::question::{GivenEntry, Question};
-use crate::suite::texture::verify::verify;
-use crate::texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
-use crate::tools::render::{encode_image, rgb};
+use ptm::Size;
+use ptm_files::render::{encode_image, rgb};
+use ptm_suite::kit::yaml::from_yaml;
+use ptm_suite::texture::cases::parse_cases;
+use ptm_suite::texture::question::{GivenEntry, Question};
+use ptm_suite::texture::verify::verify;
+use ptm_texture::{Preview, PreviewShape, Rounding, Rules, TextureMap, preview};
 
 /// Texture mapping: check a file of cases, or render a table entry.
 #[derive(Args)]
@@ -183,7 +183,7 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
     let map = match &args.map {
         None => TextureMap::checkerboard(&Rules::SPEC),
         Some(path) => {
-            let ptm = crate::decode(&files::read(path)?).map_err(with_path(path))?;
+            let ptm = ptm::decode(&files::read(path)?).map_err(with_path(path))?;
             let (lu, lv) = args.ptm_light;
             TextureMap::from_ptm(&ptm.coefficients(), lu, lv, Rounding::None, &Rules::SPEC)
         }

@@ -5,11 +5,11 @@ use std::borrow::Cow;
 use super::mistake::{ChannelSubset, Mistake};
 use super::tuning::{MAX_SAMPLE, MIN_SUPPORT, ROUNDING_SLACK};
 use super::witness::{Witness, can_affect_file, equal_up_to_rounding, is_after_decoding};
-use crate::kit::parallel::map_in_parallel;
-use crate::misreadings::{self, Hook, Misreading, Stage};
-use crate::protocol::frame::{Answer, Samples, View};
-use crate::ptm::Ptm;
 use crate::session::observation::Response;
+use ptm::Ptm;
+use ptm_mistakes::{Hook, Misreading, Stage};
+use ptm_suite::kit::parallel::map_in_parallel;
+use ptm_suite::protocol::frame::{Answer, Samples, View};
 
 /// Clauses about the positions in records of side information.
 const POSITION_CLAUSES: [&str; 2] = ["2.9.8/5", "2.9.8/6"];
@@ -57,12 +57,12 @@ impl Witness<'_> {
         let misreadings = self.misreadings_in_scope(mistakes);
         let (ptm, reading) = match misreadings.iter().all(|mistake| is_after_decoding(mistake)) {
             true => {
-                let reading = misreadings::apply_to_reading(&misreadings, self.reading);
+                let reading = ptm_mistakes::apply_to_reading(&misreadings, self.reading);
                 (self.decoded().as_ref().ok()?.clone(), reading)
             }
-            false => misreadings::read(&misreadings, self.reading, &self.built.file).ok()?,
+            false => ptm_mistakes::read(&misreadings, self.reading, &self.built.file).ok()?,
         };
-        let colors = misreadings::unrounded_values(&misreadings, &reading, &ptm, view);
+        let colors = ptm_mistakes::unrounded_values(&misreadings, &reading, &ptm, view);
         let Samples::U8(bytes) = &actual.samples else {
             return None;
         };
@@ -77,8 +77,8 @@ impl Witness<'_> {
     /// Returns the image that a decoder with `mistakes` outputs for the stored values in `ptm`.
     pub fn render_stored_values(&self, mistakes: &[&Mistake], ptm: &Ptm) -> Answer {
         let misreadings = self.misreadings_in_scope(mistakes);
-        let reading = misreadings::apply_to_reading(&misreadings, self.reading);
-        misreadings::render(&misreadings, &reading, ptm, &self.observation.view)
+        let reading = ptm_mistakes::apply_to_reading(&misreadings, self.reading);
+        ptm_mistakes::render(&misreadings, &reading, ptm, &self.observation.view)
     }
 
     /// Returns true if the decoder refused the file and the mistakes move a record outside its plane. The misreadings ignore such

@@ -4,13 +4,13 @@
 //! output of such a decoder.
 
 use super::witness::{Agreement, Witness, witnesses};
-use crate::misreadings::{self, Misreading};
-use crate::protocol::frame::Answer;
-use crate::reading::Reading;
 use crate::session::{outcome::Outcome, run::Run};
-use crate::suite::cases::Suite;
-use crate::suite::choices::{CHOICES, relevant_axes};
-use crate::suite::compare::Expected;
+use ptm::reading::Reading;
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::Suite;
+use ptm_suite::choices::{CHOICES, relevant_axes};
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::frame::Answer;
 
 /// Marks failures that the `assumed` mistakes explain, and updates the reasons for the remaining failures.
 pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], threads: usize) {
@@ -63,6 +63,6 @@ fn is_explained(witness: &Witness, answer: &Answer, assumed: &[&'static Misreadi
         || CHOICES.combinations(&axes).iter().skip(1).any(|dialect| {
             let (file, view) = (&witness.built.file, &witness.observation.view);
             let reading = CHOICES.apply(dialect, Reading::SPEC);
-            reproduces(&misreadings::answer(assumed, reading, file, view))
+            reproduces(&ptm_mistakes::answer(assumed, reading, file, view))
         })
 }

@@ -11,12 +11,12 @@ use super::tuning::{MAX_SAMPLE, MIN_SHARING_FILES, is_few, is_most, is_substanti
 use super::witness::{Agreement, Witness};
 use super::words::refusals::{self, WholeFormats};
 use super::words::{acceptances, differences, formats_phrase};
-use crate::formula::EditedForm;
-use crate::misreadings::{Hook, Misreading, Stage, Symptom};
-use crate::protocol::frame::{Answer, ProcessEnd};
-use crate::ptm::Format;
 use crate::session::observation::Response;
-use crate::suite::cases::Expect;
+use ptm::Format;
+use ptm_mistakes::formula::EditedForm;
+use ptm_mistakes::{Hook, Misreading, Stage, Symptom};
+use ptm_suite::cases::Expect;
+use ptm_suite::protocol::frame::{Answer, ProcessEnd};
 
 /// Failures listed under one mistake, and the other mistakes needed to explain them.
 #[derive(Clone, Default)]

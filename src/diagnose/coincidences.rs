@@ -9,8 +9,8 @@ use super::search::{Member, MistakeId, MistakeSet, Search, ids_of, without_id};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most, is_nearly_all};
 use super::witness::{Agreement, Witness};
 use super::words::{differences::reduces_wrong_samples, refusals};
-use crate::misreadings::{Misreading, Stage, Symptom};
-use crate::suite::cases::Expect;
+use ptm_mistakes::{Misreading, Stage, Symptom};
+use ptm_suite::cases::Expect;
 
 /// Failing cases that support or contradict a mistake.
 #[derive(Default)]

@@ -8,7 +8,7 @@
 use std::cmp::Reverse;
 
 use super::diagnosis::{Cause, Diagnosis};
-use crate::misreadings::Misreading;
+use ptm_mistakes::Misreading;
 
 /// A possible cause, with the cases that support and contradict it.
 pub struct CoverCandidate<T> {

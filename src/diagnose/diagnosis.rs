@@ -5,8 +5,8 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use super::{tuning::is_most, witness::Witness};
-use crate::misreadings::{Hook, Misreading};
-use crate::ptm::Format;
+use ptm::Format;
+use ptm_mistakes::{Hook, Misreading};
 
 /// A cause and the cases that it explains.
 pub struct Diagnosis<A: 'static = Hook> {

@@ -17,9 +17,9 @@ use super::tuning::{
 };
 use super::witness::{Agreement, explains_a_view};
 use super::words::differences::wrong_channels;
-use crate::formula::{EditedForm, Expression, Formula, edits};
-use crate::misreadings::{Hook, Misreading};
-use crate::protocol::frame::Answer;
+use ptm_mistakes::formula::{EditedForm, Expression, Formula, edits};
+use ptm_mistakes::{Hook, Misreading};
+use ptm_suite::protocol::frame::Answer;
 
 /// Misreadings for all edits of all formulas, most likely first.
 static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {

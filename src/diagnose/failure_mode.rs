@@ -3,8 +3,8 @@
 use std::fmt;
 
 use super::witness::Witness;
-use crate::protocol::frame::{Answer, ProcessEnd, TimeLimit};
 use crate::session::observation::Response;
+use ptm_suite::protocol::frame::{Answer, ProcessEnd, TimeLimit};
 
 /// A response without an image. Two files fail in the same way if their failure modes are equal.
 #[derive(Clone, Debug)]

@@ -7,10 +7,10 @@ use super::mistake::edit_as_misreading;
 use super::search::{MistakeSet, Search};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most};
 use super::witness::Witness;
-use crate::formula::{Edit, EditedForm, Formula};
-use crate::misreadings::Misreading;
-use crate::protocol::frame::{Answer, Frame, Samples, View};
-use crate::ptm::{Coding, Ptm};
+use ptm::{Coding, Ptm};
+use ptm_mistakes::Misreading;
+use ptm_mistakes::formula::{Edit, EditedForm, Formula};
+use ptm_suite::protocol::frame::{Answer, Frame, Samples, View};
 
 /// Stored values that could produce an output value: one flag for each value from 0 to 255.
 type Candidates = [bool; 256];

@@ -1,9 +1,9 @@
 //! A mistake that a decoder may make: a misreading or an edit of a formula, in all files or in some of them.
 
 use super::scope::FileScope;
-use crate::formula::Edit;
-use crate::misreadings::{Hook, Misreading, Symptom};
-use crate::protocol::frame::{Answer, Samples};
+use ptm_mistakes::formula::Edit;
+use ptm_mistakes::{Hook, Misreading, Symptom};
+use ptm_suite::protocol::frame::{Answer, Samples};
 
 /// A mistake, and the files and channels that it affects.
 pub(super) struct Mistake {

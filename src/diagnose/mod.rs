@@ -1,8 +1,8 @@
 //! Finds the causes of failures.
 //!
 //! 1. `search` finds a small set of mistakes that reproduces the decoder's responses. Its candidates are the misreadings in the
-//! catalog. If these explain too few failures, `edits` and `learned` add candidates: edits of one formula, and tables that are
-//! inferred from the images.
+//!    catalog. If these explain too few failures, `edits` and `learned` add candidates: edits of one formula, and tables that are
+//!    inferred from the images.
 //! 2. `coincidences` removes mistakes that match a few responses by chance.
 //! 3. `attribution` lists each failing case under the mistake that explains it.
 //! 4. `words` describes the remaining failures: refusals by a property that the refused files share, acceptances by
@@ -41,10 +41,10 @@ pub use words::arithmetic_steps;
 
 use std::time::Duration;
 
-use crate::misreadings::{self, Misreading};
 use crate::session::{outcome::Outcome, run::Run};
-use crate::suite::cases::Suite;
 use answers::has_simple_explanation;
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::Suite;
 use search::Search;
 use tuning::MIN_SUPPORT;
 use witness::{reference_reading, witnesses};
@@ -53,7 +53,7 @@ use witness::{reference_reading, witnesses};
 /// mistakes that the user knows about. If the user interrupts the search, most failures are left without a cause.
 #[must_use]
 pub fn diagnose(suite: &Suite, run: &Run, assumed: &[&'static Misreading], jobs: usize) -> Causes {
-    let catalog: Vec<&Misreading> = misreadings::all().collect();
+    let catalog: Vec<&Misreading> = ptm_mistakes::all().collect();
     let start = cpu_time();
     let mut causes = diagnose_among(&catalog, suite, run, assumed, jobs);
     causes.cpu_time = cpu_time()
@@ -164,17 +164,17 @@ fn describe(search: &Search, mut found: Vec<search::Member>) -> Vec<Diagnosis> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::frame::{Answer, Samples};
-    use crate::reading::Reading;
     use crate::runner::run::{Reply, Request};
     use crate::session::{plan::RunPlan, run::check};
+    use ptm::reading::Reading;
+    use ptm_suite::protocol::frame::{Answer, Samples};
 
     #[test]
     fn panic_in_the_source_of_candidates_loses_no_failure() {
         let mut suite = Suite::load().expect("the suite loads");
         suite.cases.retain(|case| case.first);
         let ask = |request: &Request<'_>, _: usize| {
-            let mut answer = misreadings::answer(&[], Reading::SPEC, request.file, request.view);
+            let mut answer = ptm_mistakes::answer(&[], Reading::SPEC, request.file, request.view);
             if let Answer::Decoded(frame) = &mut answer
                 && let Samples::U8(samples) = &mut frame.samples
             {
@@ -186,7 +186,7 @@ mod tests {
         };
         let run = check(&suite, &RunPlan::new(&suite, 1), &ask, &|_, _, _, _| ());
         let witnesses = witnesses(&suite, &run, None, 1);
-        let catalog: Vec<&Misreading> = misreadings::all().collect();
+        let catalog: Vec<&Misreading> = ptm_mistakes::all().collect();
         let mut search = Search::new(&witnesses, &catalog, &[], 1, &run);
         let found = search.run(|_, _, _| panic!("index 3 of 2"));
         let causes = describe(&search, found);

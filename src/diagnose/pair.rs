@@ -2,8 +2,8 @@
 
 use super::tuning::{MIN_SUPPORT, PARTIAL_IMAGE_SCORE};
 use super::witness::Witness;
-use crate::protocol::frame::{Answer, Frame, ViewKind};
-use crate::suite::compare::is_near;
+use ptm_suite::compare::is_near;
+use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
 
 /// A received and an expected image of the same shape.
 pub(super) struct ImagePair {

@@ -2,10 +2,10 @@
 //! `make:` key in the cases.
 
 use super::witness::{Facts, Property, Quantity, Witness};
-use crate::generate::spelling::{Count, Line, Lists};
-use crate::generate::{Recipe, plan::Compression, planes::StoredPlane};
-use crate::protocol::frame::{Answer, View};
-use crate::ptm::{Coding, Field, Format};
+use ptm::{Coding, Field, Format};
+use ptm_generate::spelling::{Count, Line, Lists};
+use ptm_generate::{Recipe, plan::Compression, planes::StoredPlane};
+use ptm_suite::protocol::frame::{Answer, View};
 
 impl Witness<'_> {
     /// Returns the properties of the file, computed on first use.

@@ -3,8 +3,8 @@
 use super::properties::VIEW_PROPERTIES;
 use super::tuning::{COINCIDENCE_ODDS, MIN_SHARING_FILES, MIN_SUPPORT, is_substantial};
 use super::witness::Witness;
-use crate::ptm::Format;
-use crate::suite::cases::Expect;
+use ptm::Format;
+use ptm_suite::cases::Expect;
 
 /// The files that a mistake affects.
 #[derive(Clone, Debug, PartialEq)]

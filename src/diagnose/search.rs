@@ -21,11 +21,11 @@ use super::tuning::{
 use super::witness::{Agreement, Witness};
 use super::words::{nondeterminism, uniform};
 use super::{mistake::Mistake, pair::partial_credit};
-use crate::kit::parallel::map_in_parallel;
-use crate::misreadings::{Hook, Misreading};
-use crate::protocol::frame::Answer;
 use crate::session::run::Run;
-use crate::suite::cases::Expect;
+use ptm_mistakes::{Hook, Misreading};
+use ptm_suite::cases::Expect;
+use ptm_suite::kit::parallel::map_in_parallel;
+use ptm_suite::protocol::frame::Answer;
 
 /// A mistake that was found, and the mistakes that are equivalent to it. Lists of members are in the order of discovery.
 pub(super) struct Member {

@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Mutex;
 
-use crate::decode::planes;
-use crate::error::Result;
-use crate::parts::PlaneStream;
-use crate::ptm::{Coding, Size};
+use ptm::decode::planes;
+use ptm::error::Result;
+use ptm::parts::PlaneStream;
+use ptm::{Coding, Size};
 
 /// Size of the cached streams and samples, in bytes, beyond which the cache is cleared.
 const MAX_CACHED_BYTES: usize = 128 << 20;
@@ -14,7 +14,7 @@ const MAX_CACHED_BYTES: usize = 128 << 20;
 type CachedSamples = HashMap<Box<[u8]>, Box<[u8]>>;
 
 /// Total size in bytes, and the decoded samples by coding standard, image size and stream. The cache is global because the
-/// decisions of a [`Reading`](crate::Reading) are plain functions.
+/// decisions of a [`Reading`](ptm::Reading) are plain functions.
 static DECODED_STREAMS: Mutex<Option<(usize, HashMap<(Coding, Size), CachedSamples>)>> =
     Mutex::new(None);
 

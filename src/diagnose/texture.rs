@@ -7,13 +7,13 @@ use serde_json::Value;
 
 use super::cover::{CoverCandidate, cover};
 use super::diagnosis::Diagnosis;
-use crate::misreadings::texture::{Change, all};
-use crate::protocol::frame::Answer;
 use crate::session::{observation::Response, outcome::Outcome, run::Run};
-use crate::suite::cases::{Expect, Suite};
-use crate::suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
-use crate::suite::{test_case::TestCase, texture::cases::TextureCase};
-use crate::texture::Rules;
+use ptm_mistakes::texture::{Change, all};
+use ptm_suite::cases::{Expect, Suite};
+use ptm_suite::protocol::frame::Answer;
+use ptm_suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
+use ptm_suite::{test_case::TestCase, texture::cases::TextureCase};
+use ptm_texture::Rules;
 
 /// Returns a small set of misreadings that explains the failures of `run`. The one that explains the most failures is first.
 #[must_use]

@@ -6,21 +6,21 @@ use std::sync::{Arc, OnceLock};
 
 use super::stream_cache::decode_stream_cached;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
-use crate::decode::{Alternative, decode_as, examine_as};
-use crate::generate::Model;
-use crate::kit::parallel::map_in_parallel;
-use crate::misreadings::{self, Anatomy, EditedFile, Hook, Misreading, Stage};
-use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
-use crate::ptm::{Field, Limits, Ptm};
-use crate::reading::Reading;
 use crate::session::dialect::Certainty;
 use crate::session::observation::{Observation, Response};
 use crate::session::{outcome::Outcome, run::Run};
-use crate::suite::cases::{Built, Case, Expect, Suite};
-use crate::suite::choices::CHOICES;
-use crate::suite::compare::{Expected, is_close};
-use crate::suite::dialect::{Dialect, RightDialects};
-use crate::suite::values::Values;
+use ptm::decode::{Alternative, decode_as, examine_as};
+use ptm::reading::Reading;
+use ptm::{Field, Limits, Ptm};
+use ptm_generate::Model;
+use ptm_mistakes::{Anatomy, EditedFile, Hook, Misreading, Stage};
+use ptm_suite::cases::{Built, Case, Expect, Suite};
+use ptm_suite::choices::CHOICES;
+use ptm_suite::compare::{Expected, is_close};
+use ptm_suite::dialect::{Dialect, RightDialects};
+use ptm_suite::kit::parallel::map_in_parallel;
+use ptm_suite::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
+use ptm_suite::values::Values;
 
 /// A judged case: its file, the decoder's response, and the correct answer.
 pub(super) struct Witness<'a> {
@@ -44,7 +44,7 @@ pub(super) struct Witness<'a> {
     fields: OnceLock<Vec<Field>>,
     pub facts: OnceLock<Facts>,
     /// The map decoded from the file under `reading`.
-    decoded: OnceLock<crate::error::Result<Ptm>>,
+    decoded: OnceLock<ptm::error::Result<Ptm>>,
 }
 
 /// A property of a file: its clause and a text that completes "files …", separated by a space, and a flag that is true if the
@@ -115,7 +115,7 @@ pub(super) fn witnesses<'a>(
         let built = case.build(run.table);
         let counts = legal_files.get(&case.format()).copied();
         let [legal_files, inconclusive_files] = counts.unwrap_or_default();
-        let answer = |reading| misreadings::answer(&[], reading, &built.file, &observation.view);
+        let answer = |reading| ptm_mistakes::answer(&[], reading, &built.file, &observation.view);
         let (expected, correct_answer) = (answer(dialect), reading.map(answer));
         Some(Witness {
             case_index,
@@ -153,9 +153,9 @@ impl Witness<'_> {
         if mistakes.iter().all(|mistake| is_after_decoding(mistake)) {
             return match self.decoded() {
                 Ok(ptm) => {
-                    let reading = misreadings::apply_to_reading(mistakes, self.reading);
+                    let reading = ptm_mistakes::apply_to_reading(mistakes, self.reading);
                     let view = &self.observation.view;
-                    Cow::Owned(misreadings::render(mistakes, &reading, ptm, view))
+                    Cow::Owned(ptm_mistakes::render(mistakes, &reading, ptm, view))
                 }
                 Err(_) => Cow::Borrowed(self.correct_answer()),
             };
@@ -176,7 +176,7 @@ impl Witness<'_> {
     }
 
     fn answer_to_file(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
-        misreadings::answer(mistakes, self.reading, file, &self.observation.view)
+        ptm_mistakes::answer(mistakes, self.reading, file, &self.observation.view)
     }
 
     /// Returns the fields of the file, up to the first error.
@@ -196,7 +196,7 @@ impl Witness<'_> {
     }
 
     /// Returns the map decoded from the file under `reading`.
-    pub fn decoded(&self) -> &crate::error::Result<Ptm> {
+    pub fn decoded(&self) -> &ptm::error::Result<Ptm> {
         self.decoded
             .get_or_init(|| decode_as(&self.built.file, &self.reading, &Limits::default()))
     }

@@ -9,8 +9,8 @@ use std::fmt::Write as _;
 
 use arbitrary::{Result, Unstructured};
 
-use crate::ptm::{Coding, Format, Storage};
-use crate::suite::cases::{Case, Expect, Suite};
+use ptm::{Coding, Format, Storage};
+use ptm_suite::cases::{Case, Expect, Suite};
 
 /// A generated file: the parts of its case record that differ from those of the default file.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -7,16 +7,16 @@ use arbitrary::Unstructured;
 
 use super::{draft::Draft, generator::random_bytes, minimize::minimize};
 use crate::diagnose::equal_up_to_rounding;
-use crate::misreadings::{self, Misreading};
-use crate::protocol::frame::{Answer, Frame, TimeLimit, View};
-use crate::reading::Reading;
 use crate::report::document::LikelyCause;
 use crate::runner::run::{AttemptKind, Request};
 use crate::session::asking::DecoderFn;
 use crate::session::observation::{Observation, Response};
 use crate::session::offer::Offer;
-use crate::suite::cases::{Built, Case, Expect, TableSpelling};
-use crate::suite::compare::Expected;
+use ptm::reading::Reading;
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::{Built, Case, Expect, TableSpelling};
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::frame::{Answer, Frame, TimeLimit, View};
 
 /// Maximum number of passing files against which a suspected misreading is tested.
 pub(super) const MAX_WITNESSES: usize = 200;
@@ -72,7 +72,7 @@ impl KnownDecoder<'_> {
 
     /// Predicts the answer of a decoder with these mistakes and this decoder's readings of open questions.
     fn answer_with(&self, mistakes: &[&Misreading], request: &DraftRequest) -> Answer {
-        misreadings::answer(mistakes, self.reading, &request.built.file, &request.view)
+        ptm_mistakes::answer(mistakes, self.reading, &request.built.file, &request.view)
     }
 
     fn is_correct(&self, request: &DraftRequest, answer: &Answer) -> bool {
@@ -120,7 +120,7 @@ impl Explanation {
         let Some(request) = decoder.request(draft) else {
             return other;
         };
-        let mut suspects: Vec<&'static Misreading> = misreadings::all()
+        let mut suspects: Vec<&'static Misreading> = ptm_mistakes::all()
             .filter(|suspect| explains(suspect, &request, observation, decoder))
             .collect();
         let passing = passing.iter().take(MAX_WITNESSES);

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use arbitrary::Unstructured;
 
 use super::draft::{Draft, DraftDamage};
-use crate::ptm::Format;
-use crate::suite::cases::{Expect, Suite};
+use ptm::Format;
+use ptm_suite::cases::{Expect, Suite};
 
 /// One in this many generated files is damaged and must be refused.
 const FILES_PER_DAMAGE: u32 = 6;

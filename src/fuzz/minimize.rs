@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicBool;
 
 use super::draft::Draft;
 use super::shrink::{shrink, smaller_sizes};
-use crate::ptm::Size;
-use crate::suite::cases::TableSpelling;
+use ptm::Size;
+use ptm_suite::cases::TableSpelling;
 
 /// Simplifies `draft` step by step while it still `fails`, and returns the smallest draft.
 pub fn minimize(

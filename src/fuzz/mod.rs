@@ -17,17 +17,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::diagnose::{diagnose, dialect_reading};
-use crate::protocol::capabilities::Capabilities;
-use crate::ptm::Format;
 use crate::report::{document::LikelyCause, make::likely_causes};
 use crate::runner::run::Request;
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::run::{Run, check};
 use crate::session::{asking::DecoderFn, outcome::Outcome};
-use crate::suite::cases::{Case, Expect, Suite};
 use draft::Draft;
 use finding::{Explanation, Finding, KnownDecoder, MAX_WITNESSES};
 use generator::DraftGenerator;
+use ptm::Format;
+use ptm_suite::cases::{Case, Expect, Suite};
+use ptm_suite::protocol::capabilities::Capabilities;
 
 /// Number of files that are generated and judged together.
 const BATCH_SIZE: usize = 500;

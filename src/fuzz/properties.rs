@@ -9,22 +9,21 @@ use std::time::Duration;
 
 use arbitrary::{Result, Unstructured};
 
-use crate::codec::{jpeg, jpeg_ls};
-use crate::decode::{Alternative, decode, decode_as, fields};
 use crate::diagnose::diagnose;
-use crate::evaluate::{compute_coefficients, evaluate};
 use crate::fuzz::draft::Draft;
-use crate::generate::{Compression, Model, Recipe, Spelling, write};
-use crate::generate::{plan::Residuals, spelling::Lists};
-use crate::misreadings;
-use crate::protocol::frame::{Answer, Frame, Samples, TimeLimit, View};
-use crate::ptm::{Coding, Limits, Planes};
-use crate::reading::Reading;
 use crate::runner::run::{Reply, Request};
 use crate::session::{plan::RunPlan, run::check};
-use crate::suite::cases::{Case, Suite, TableSpelling};
-use crate::suite::dialect::{Choice, Dialect};
-use crate::suite::{choices::CHOICES, compare::Expected};
+use ptm::codec::{jpeg, jpeg_ls};
+use ptm::decode::{Alternative, decode, decode_as, fields};
+use ptm::evaluate::{compute_coefficients, evaluate};
+use ptm::reading::Reading;
+use ptm::{Coding, Limits, Planes};
+use ptm_generate::{Compression, Model, Recipe, Spelling, write};
+use ptm_generate::{plan::Residuals, spelling::Lists};
+use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::dialect::{Choice, Dialect};
+use ptm_suite::protocol::frame::{Answer, Frame, Samples, TimeLimit, View};
+use ptm_suite::{choices::CHOICES, compare::Expected};
 
 /// Maximum number of texels in a generated file. A fuzz target can process thousands of small files per second.
 const MAX_TEXELS: u32 = 3000;
@@ -148,7 +147,7 @@ fn check_stream(bytes: &[u8], decode: fn(&[u8], u32, u32) -> Decoded<Vec<u8>>) {
     }
 }
 
-type Decoded<T> = std::result::Result<T, crate::codec::StreamError>;
+type Decoded<T> = std::result::Result<T, ptm::codec::StreamError>;
 
 /// Checks that a JPEG stream decodes to the samples that its encoder returns. Returns the stream, the size of the image and those
 /// samples, for comparison with another decoder.
@@ -308,7 +307,7 @@ pub fn diagnosis(bytes: &[u8]) {
     });
     let script: Vec<u8> = bytes.iter().copied().take(SUITE.cases.len()).collect();
     let ask = |request: &Request<'_>, _: usize| {
-        let right = misreadings::answer(&[], Reading::SPEC, request.file, request.view);
+        let right = ptm_mistakes::answer(&[], Reading::SPEC, request.file, request.view);
         let bytes = request.file.iter().map(|&byte| usize::from(byte));
         let sum = bytes.sum::<usize>();
         let choice = script.get(sum % script.len().max(1)).copied();
@@ -365,9 +364,9 @@ fn wrong_answer(choice: u8, right: Answer, request: &Request<'_>) -> Answer {
             _ => Answer::ProtocolError("no frame".to_owned()),
         },
         _ => {
-            let all: Vec<_> = misreadings::all().collect();
+            let all: Vec<_> = ptm_mistakes::all().collect();
             let misreading = all[usize::from(choice) * 4 % all.len()];
-            misreadings::answer(&[misreading], Reading::SPEC, request.file, request.view)
+            ptm_mistakes::answer(&[misreading], Reading::SPEC, request.file, request.view)
         }
     }
 }

@@ -8,11 +8,11 @@ use std::str::FromStr;
 use std::sync::atomic::AtomicBool;
 
 use super::shrink::{shrink, smaller_sizes};
-use crate::decode::{self, decode};
-use crate::decode::{indices::little_endian, planes::parse_records};
-use crate::generate::planes::{Compressed, StoredPlane};
-use crate::generate::{Model, Recipe, write};
-use crate::ptm::{Format, Size};
+use ptm::decode::{self, decode};
+use ptm::decode::{indices::little_endian, planes::parse_records};
+use ptm::{Format, Size};
+use ptm_generate::planes::{Compressed, StoredPlane};
+use ptm_generate::{Model, Recipe, write};
 
 /// Simplifies `file` step by step while it still `fails`, and returns the smallest file. Returns `None` if `file` is malformed or
 /// does not fail with the default spelling of its header.
@@ -206,7 +206,7 @@ impl Fields<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::suite::cases::{Expect, Suite, TableSpelling};
+    use ptm_suite::cases::{Expect, Suite, TableSpelling};
 
     #[test]
     fn every_reduction_step_is_a_different_legal_file() {

@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::ptm::Size;
+use ptm::Size;
 
 /// Maximum number of requests for one file.
 const MAX_REQUESTS: usize = 3000;

@@ -6,10 +6,10 @@ use std::io;
 use std::path::Path;
 
 use super::finding::{Explanation, Finding};
-use crate::protocol::frame::View;
-use crate::suite::address::slug;
-use crate::suite::cases::{Built, TableSpelling};
-use crate::suite::compare::Expected;
+use ptm_suite::address::slug;
+use ptm_suite::cases::{Built, TableSpelling};
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::frame::View;
 
 /// Maximum number of bytes that are displayed for a field.
 const MAX_BYTES: usize = 24;

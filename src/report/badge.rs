@@ -4,7 +4,7 @@ use maud::html;
 
 use crate::report::document::Report;
 use crate::session::scores::Fraction;
-use crate::suite::name::SuiteName;
+use ptm_suite::name::SuiteName;
 
 /// Width of a letter in tenths of a pixel. The `textLength` attribute enforces this width in every font.
 const LETTER_WIDTH: usize = 59;

@@ -14,10 +14,10 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-use crate::kit::yaml::{read_text, records, to_yaml};
 use crate::report::document::{BaselineComparison, Report};
 use crate::report::suite_texts::SuiteTexts;
 use crate::session::outcome::Outcome;
+use ptm_suite::kit::yaml::{read_text, records, to_yaml};
 
 /// Known failures: case ids with optional reasons.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

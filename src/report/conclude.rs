@@ -11,7 +11,7 @@ use crate::report::document::{LikelyCause, Report};
 use crate::report::shards::{Circumstances, OtherRemarks};
 use crate::report::{make::likely_causes, reported::Reportable};
 use crate::session::{plan::RunPlan, remark::Remark, run::Run};
-use crate::suite::{cases::Suite, test_case::TestCase};
+use ptm_suite::{cases::Suite, test_case::TestCase};
 
 /// Builds the complete report of a run, with verdicts and causes.
 ///
@@ -99,10 +99,10 @@ fn panic_message(panic: &(dyn Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::misreadings::Hook;
-    use crate::protocol::frame::Answer;
     use crate::runner::run::{Reply, Request};
     use crate::session::run::check;
+    use ptm_mistakes::Hook;
+    use ptm_suite::protocol::frame::Answer;
 
     #[test]
     fn panicking_search_loses_no_verdict() {

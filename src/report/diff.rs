@@ -10,10 +10,10 @@ use serde::Serialize;
 use similar::DiffTag;
 use similar::algorithms::{Capture, Compact, Replace, myers};
 
-use crate::kit::yaml::to_yaml;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
 use crate::session::outcome::Outcome;
-use crate::suite::clauses::section_of;
+use ptm_suite::clauses::section_of;
+use ptm_suite::kit::yaml::to_yaml;
 
 /// Maximum number of changed cases that are described in full.
 const MAX_FULL_DESCRIPTIONS: usize = 12;

@@ -5,10 +5,10 @@
 use serde::{Deserialize, Serialize};
 
 use crate::diagnose::Category;
-use crate::kit::{digest::sha256, yaml::to_yaml};
 use crate::report::leniency::Leniency;
 use crate::session::{outcome::Outcome, remark::Remark, scores::Scores};
-use crate::suite::name::SuiteName;
+use ptm_suite::kit::{digest::sha256, yaml::to_yaml};
+use ptm_suite::name::SuiteName;
 
 /// Version of the report schema. Reports with any other version are rejected.
 pub const SCHEMA: u32 = 2;

@@ -6,7 +6,7 @@ use std::fmt::{self, Write};
 
 use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::session::outcome::Outcome;
-use crate::suite::address::published_url;
+use ptm_suite::address::published_url;
 
 /// Maximum number of errors that a runner displays for a step.
 const MAX_ANNOTATIONS: usize = 10;

@@ -7,7 +7,7 @@ use maud::{Markup, PreEscaped, html};
 
 use crate::report::document::{CaseResult, Report};
 use crate::session::outcome::Outcome;
-use crate::suite::clauses::section_of;
+use ptm_suite::clauses::section_of;
 
 /// Test: its class, its name, the name and markup of its result element (`None` if it passed), and its standard error.
 type Test<'a> = (String, String, Option<(&'static str, Markup)>, &'a str);

@@ -5,8 +5,8 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::session::{observation::Response, outcome::Outcome, run::Run};
-use crate::suite::cases::{Expect, Suite};
-use crate::suite::test_case::TestCase;
+use ptm_suite::cases::{Expect, Suite};
+use ptm_suite::test_case::TestCase;
 
 /// Maximum number of cases that are listed as evidence.
 const MAX_EVIDENCE_CASES: usize = 3;

@@ -4,7 +4,6 @@ use std::ffi::OsStr;
 use std::path::Path;
 
 use crate::diagnose::{Cause, Diagnosis};
-use crate::misreadings::Misreading;
 use crate::report::document::{
     CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, Tool,
 };
@@ -13,9 +12,10 @@ use crate::report::reported::Reportable;
 use crate::session::dialect::Certainty;
 use crate::session::observation::Response;
 use crate::session::{outcome::Outcome, remark::Remark, run::Run};
-use crate::suite::compare::{FlatBlocks, LOSSY_TOLERANCE};
-use crate::suite::test_case::{Allowance, TestCase};
-use crate::suite::{cases::Suite, name::SuiteName};
+use ptm_mistakes::Misreading;
+use ptm_suite::compare::{FlatBlocks, LOSSY_TOLERANCE};
+use ptm_suite::test_case::{Allowance, TestCase};
+use ptm_suite::{cases::Suite, name::SuiteName};
 
 impl Report {
     /// Creates the report on `run`, without causes. Directories are removed from `command`.

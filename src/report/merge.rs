@@ -11,14 +11,14 @@ use std::sync::OnceLock;
 
 use serde::de::DeserializeOwned;
 
-use crate::kit::strip_os_error_code;
-use crate::protocol::frame::Answer;
 use crate::report::shards::{self, AnswerRecord, OtherRemarks, RecordedAnswer, Shard, Trailer};
 use crate::report::{conclude::conclude, document::Report, reported::Reportable};
 use crate::runner::run::{AttemptKind, Reply, Request};
 use crate::session::run::{Progress, Run, Session};
 use crate::session::{asking::ReplyTo, remark::Remark};
-use crate::suite::{cases::Suite, test_case::TestCase};
+use ptm_suite::kit::strip_os_error_code;
+use ptm_suite::protocol::frame::Answer;
+use ptm_suite::{cases::Suite, test_case::TestCase};
 
 /// Recorded answers of all parts of a run.
 pub struct RecordedAnswers<C: TestCase> {

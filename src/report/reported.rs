@@ -3,16 +3,16 @@
 use maud::Markup;
 
 use crate::diagnose::{self, Causes};
-use crate::kit::digest::sha256;
-use crate::misreadings::texture::Change;
-use crate::misreadings::{self, Hook, Misreading};
 use crate::report::{document::FollowedReading, html::evidence, leniency::passing_case_ids};
 use crate::session::run::{Run, Session};
 use crate::session::{contact::Contact, observation::Observation, transform};
-use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::clauses::{self, Clause, Ruling};
-use crate::suite::features::Feature;
-use crate::suite::{name::SuiteName, test_case::TestCase, texture, texture::cases::TextureCase};
+use ptm_mistakes::texture::Change;
+use ptm_mistakes::{Hook, Misreading};
+use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::clauses::{self, Clause, Ruling};
+use ptm_suite::features::Feature;
+use ptm_suite::kit::digest::sha256;
+use ptm_suite::{name::SuiteName, test_case::TestCase, texture, texture::cases::TextureCase};
 
 /// Case type of a suite for which reports can be created.
 pub trait Reportable: TestCase {
@@ -39,6 +39,7 @@ pub trait Reportable: TestCase {
     fn readings_of_files(_: &Suite<Self>, _: &Run<Self>) -> Vec<FollowedReading> {
         Vec::new()
     }
+    /// Shows the file, the response and the difference on the page of a report.
     fn evidence(&self, table: TableSpelling, observation: &Observation<Self>) -> Markup;
 
     /// Finds transforms that the images of the first files have in common, reports them, and undoes them in all later images.
@@ -68,7 +69,7 @@ pub trait Reportable: TestCase {
 /// Returns a message that names the first unknown slug.
 pub fn find_misreadings(slugs: &[String]) -> Result<Vec<&'static Misreading>, String> {
     let one = |slug: &String| {
-        misreadings::find(slug).ok_or_else(|| format!("--assume {slug}: unknown misreading"))
+        ptm_mistakes::find(slug).ok_or_else(|| format!("--assume {slug}: unknown misreading"))
     };
     slugs.iter().map(one).collect()
 }
@@ -84,9 +85,7 @@ impl Reportable for Case {
 
     /// Returns the recorded digest of all files. Generating the files would take longer than most runs of single cases.
     fn digest(_: &Suite) -> String {
-        include_str!("../../spec-cases/corpus.sha256")
-            .trim()
-            .to_owned()
+        ptm_spec_cases::CORPUS_DIGEST.trim().to_owned()
     }
 
     fn readings_of_files(suite: &Suite, run: &Run) -> Vec<FollowedReading> {
@@ -108,6 +107,7 @@ impl Reportable for Case {
         vec![count, reading("lut-newline", newline)]
     }
 
+    /// Shows the file, the response and the difference on the page of a report.
     fn evidence(&self, table: TableSpelling, observation: &Observation) -> Markup {
         evidence::case_evidence(self, table, observation)
     }

@@ -18,14 +18,14 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::kit::digest::sha256;
-use crate::protocol::frame::Answer;
 use crate::runner::run::{AttemptKind, Request};
 use crate::session::asking::ReplyTo;
 use crate::session::observation::{Observation, Response};
 use crate::session::{plan::RunPlan, remark::Remark};
-use crate::suite::dialect::RightDialects;
-use crate::suite::test_case::{Allowance, TestCase};
+use ptm_suite::dialect::RightDialects;
+use ptm_suite::kit::digest::sha256;
+use ptm_suite::protocol::frame::Answer;
+use ptm_suite::test_case::{Allowance, TestCase};
 
 /// A part of the suite, written as `3/8` for the third of eight parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

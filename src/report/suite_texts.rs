@@ -1,8 +1,8 @@
 //! Texts of a suite that reports show. With them, the same code renders reports on any suite.
 
 use crate::report::reported::Reportable;
-use crate::suite::cases::Suite;
-use crate::suite::clauses::{Clause, Ruling};
+use ptm_suite::cases::Suite;
+use ptm_suite::clauses::{Clause, Ruling};
 
 /// Texts of a suite.
 pub struct SuiteTexts {

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::fmt::{self, Write};
 
-use crate::kit::last_message::quote_last_message;
 use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
 use crate::report::leniency::Leniency;
 use crate::report::suite_texts::SuiteTexts;
 use crate::report::words::{call_instructions, details};
 use crate::session::{outcome::Outcome, run::Run};
-use crate::suite::test_case::TestCase;
+use ptm_suite::kit::last_message::quote_last_message;
+use ptm_suite::test_case::TestCase;
 
 /// Maximum number of example failures for a misreading in the catalog.
 const MAX_MISREADING_EXAMPLES: usize = 2;
@@ -321,5 +321,5 @@ fn group_violations<'a>(all: &[&'a CaseResult]) -> (Vec<SimilarFailures<'a>>, Ve
 }
 
 /// Prefixes of messages about answers that are neither an image nor a refusal; see
-/// [`Answer::name`](crate::protocol::frame::Answer::name).
+/// [`Answer::name`](ptm_suite::protocol::frame::Answer::name).
 const VIOLATION_PREFIXES: &str = "protocol error: |crash: |exceeds the time limit |flood: |out of memory: |tampering: |not started: ";

@@ -1,8 +1,8 @@
 //! Sentences used in both text and HTML reports, and descriptions of misreadings from the catalogs.
 
-use crate::misreadings::{self, texture, writing};
 use crate::report::document::LikelyCause;
-use crate::suite::name::SuiteName;
+use ptm_mistakes::{texture, writing};
+use ptm_suite::name::SuiteName;
 
 /// Looks up slugs in the catalogs of the suite and returns the slug, clause and effect of each. Unknown slugs are skipped.
 fn misreading_texts(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = [&str; 3]> {
@@ -10,7 +10,7 @@ fn misreading_texts(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = 
         if suite == SuiteName::Writers {
             return writing::find(slug).map(|one| [slug, one.clause, one.effect]);
         }
-        let ptm = misreadings::find(slug).map(|one| [slug, one.clause, one.effect]);
+        let ptm = ptm_mistakes::find(slug).map(|one| [slug, one.clause, one.effect]);
         ptm.or_else(|| texture::find(slug).map(|one| [slug, one.clause, one.effect]))
     })
 }

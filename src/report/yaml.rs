@@ -6,8 +6,8 @@ use std::path::Path;
 
 use serde::Deserialize;
 
-use crate::kit::yaml::{from_yaml, read_text, to_yaml};
 use crate::report::document::{Report, SCHEMA};
+use ptm_suite::kit::yaml::{from_yaml, read_text, to_yaml};
 
 /// Field that identifies the version of the schema.
 #[derive(Deserialize)]

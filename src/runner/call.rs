@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, kill_process_group, waitid};
 
-use crate::protocol::frame::TimeLimit;
 use crate::runner::processes;
+use ptm_suite::protocol::frame::TimeLimit;
 
 /// Maximum number of bytes of standard error that are kept for the report.
 const MAX_STDERR_BYTES: usize = 2000;

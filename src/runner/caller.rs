@@ -15,8 +15,8 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use crate::protocol::{forms, frame::Answer};
 use crate::runner::run::{Reply, Request};
+use ptm_suite::protocol::{forms, frame::Answer};
 
 /// Maximum length of the first line of an answer, in bytes.
 const MAX_LINE_LENGTH: u64 = 100;
@@ -119,8 +119,8 @@ fn read_first_line(stream: &mut BufReader<UnixStream>) -> io::Result<(String, u6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::frame::Samples;
     use crate::runner::run::AttemptKind;
+    use ptm_suite::protocol::frame::Samples;
 
     /// Returns the reply to a request for a map of one texel, answered with `answer`, and whether the run was stopped.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {

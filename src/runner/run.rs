@@ -20,18 +20,18 @@ use std::time::{Duration, Instant};
 use rustix::process::Signal;
 use serde::{Deserialize, Serialize};
 
-use crate::kit::escape_controls;
-use crate::protocol::capabilities::Capabilities;
-use crate::protocol::forms;
-use crate::protocol::frame::{
-    Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, ProcessEnd, TimeLimit, View,
-};
 use crate::runner::call::{Call, CallEnd, CallLimits, CallOutput};
 use crate::runner::processes;
 use crate::runner::scratch::{Scratch, is_unchanged};
 use crate::runner::start;
 use crate::runner::template::{Template, make_absolute};
 use crate::runner::trouble::{Trouble, is_shortage};
+use ptm_suite::kit::escape_controls;
+use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::protocol::forms;
+use ptm_suite::protocol::frame::{
+    Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, ProcessEnd, TimeLimit, View,
+};
 
 /// Maximum time for repeating a call that fails because of a problem in this program. After that, the run stops.
 const MAX_RETRY_TIME: Duration = Duration::from_secs(5);

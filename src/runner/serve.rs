@@ -20,8 +20,6 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
 use std::time::{Duration, Instant};
 
-use crate::kit::escape_controls;
-use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::processes;
 use crate::runner::run::{
@@ -30,6 +28,8 @@ use crate::runner::run::{
 };
 use crate::runner::scratch::{Scratch, Workspace, is_unchanged};
 use crate::runner::trouble::Trouble;
+use ptm_suite::kit::escape_controls;
+use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit};
 
 /// The reason why the serving process did not answer a request.
 enum NotServed {

@@ -12,8 +12,8 @@ use std::path::Path;
 use rustix::fs::{AtFlags, FileType, Mode, OFlags};
 use rustix::io::Errno;
 
-use crate::protocol::frame::Answer;
 use crate::runner::trouble::{Trouble, is_shortage};
+use ptm_suite::protocol::frame::Answer;
 
 /// A command line with placeholders for values that differ between calls.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -6,10 +6,10 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use crate::protocol::frame::Answer;
 use crate::runner::run::{AttemptKind, CallFailure, CallResult, Decoder, INPUT_CHANGED_MESSAGE};
 use crate::runner::scratch::{Scratch, is_unchanged};
 use crate::runner::template::Template;
+use ptm_suite::protocol::frame::Answer;
 
 /// A file that a request refers to.
 #[derive(Clone, Debug)]

@@ -9,8 +9,8 @@ use crate::session::judge::Judgment;
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::outcome::Outcome;
 use crate::session::plan::{Repeat, SAMPLE_INTERVAL};
-use crate::suite::cases::{Expect, TableSpelling};
-use crate::suite::test_case::TestCase;
+use ptm_suite::cases::{Expect, TableSpelling};
+use ptm_suite::test_case::TestCase;
 
 /// Maximum number of failures of each kind that are initially repeated.
 const MAX_REPEATED_PER_KIND: usize = 8;

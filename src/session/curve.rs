@@ -1,7 +1,7 @@
 //! Tone curves. A tone curve is one function that is applied to all values of all images.
 
-use crate::protocol::frame::{Frame, Samples, ViewKind};
-use crate::suite::compare::Expected;
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::frame::{Frame, Samples, ViewKind};
 
 /// A curve for bytes, or a factor for real numbers.
 #[derive(Clone, Debug)]

@@ -4,9 +4,9 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 
 use crate::session::observation::{Observation, Response};
-use crate::suite::cases::{Suite, TableSpelling};
-use crate::suite::dialect::{Axis, Choices, Dialect, RightDialects};
-use crate::suite::test_case::TestCase;
+use ptm_suite::cases::{Suite, TableSpelling};
+use ptm_suite::dialect::{Axis, Choices, Dialect, RightDialects};
+use ptm_suite::test_case::TestCase;
 
 /// The certainty of the decoder's reading of an open question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -217,7 +217,7 @@ fn group_axes<'a>(count: usize, sets: impl Iterator<Item = &'a [Axis]>) -> Vec<V
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::suite::choices::CHOICES;
+    use ptm_suite::choices::CHOICES;
 
     type Image = (Vec<Axis>, Vec<bool>);
 

@@ -7,15 +7,15 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::decode::{decode_as, fields};
-use crate::error::Class;
-use crate::generate::{Model, Numbers, Recipe, Spelling, spelling::Line, write};
-use crate::protocol::frame::{Answer, View};
-use crate::ptm::{Coding, Format, Limits, Ptm, Shape};
-use crate::reading::Reading;
 use crate::runner::run::{Reply, Request};
 use crate::session::outcome::Outcome;
-use crate::suite::{choices::CHOICES, compare::Expected, dialect::Dialect, values::Values};
+use ptm::decode::{decode_as, fields};
+use ptm::error::Class;
+use ptm::reading::Reading;
+use ptm::{Coding, Format, Limits, Ptm, Shape};
+use ptm_generate::{Model, Numbers, Recipe, Spelling, spelling::Line, write};
+use ptm_suite::protocol::frame::{Answer, View};
+use ptm_suite::{choices::CHOICES, compare::Expected, dialect::Dialect, values::Values};
 
 /// Results for a directory of files.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -69,7 +69,7 @@ pub fn check_file(
     ask: &dyn Fn(&Request) -> Reply,
 ) -> FileResult {
     let answer = |view: &View, file: &[u8]| {
-        let texels = crate::decode(file).map_or(file.len(), |ptm| ptm.planes.size.texels());
+        let texels = ptm::decode(file).map_or(file.len(), |ptm| ptm.planes.size.texels());
         ask(&Request::new(name, view, file, texels * 72)).answer
     };
     let mut result = FileResult::not_run(name, None);
@@ -80,7 +80,7 @@ pub fn check_file(
     };
     result.view = Some(view.to_string());
     let compared = compare_with_reference(file, view, &shown);
-    if let (Answer::Decoded(shown), Ok(ptm)) = (&shown, crate::decode(file)) {
+    if let (Answer::Decoded(shown), Ok(ptm)) = (&shown, ptm::decode(file)) {
         let slack = expected(file, view, &Reading::SPEC).map(|right| right.slack);
         let first = Expected {
             slack: slack.unwrap_or_default(),
@@ -205,7 +205,7 @@ fn inverse_dct_counts(file: &[u8]) -> Vec<u8> {
 
 /// Compares an answer with the reference. Returns a remark on a correct answer, or the fault as an error.
 fn compare_with_reference(file: &[u8], view: &View, answer: &Answer) -> Result<String, String> {
-    match (answer, crate::decode(file)) {
+    match (answer, ptm::decode(file)) {
         (Answer::Decoded(shown), Ok(ptm)) => {
             let right = |reading: &Reading| expected(file, view, reading);
             let spec = right(&Reading::SPEC).expect("the reference decoded the file");

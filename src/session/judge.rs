@@ -8,9 +8,9 @@ use crate::session::dialect::{Certainty, DependentAnswers, dialect_of};
 use crate::session::observation::{Observation, Response};
 use crate::session::offer::Offer;
 use crate::session::outcome::{Outcome, ResponseKind, Verdict, outcome};
-use crate::suite::cases::{Case, Expect, Suite};
-use crate::suite::dialect::{Dialect, RightDialects};
-use crate::suite::test_case::TestCase;
+use ptm_suite::cases::{Case, Expect, Suite};
+use ptm_suite::dialect::{Dialect, RightDialects};
+use ptm_suite::test_case::TestCase;
 
 /// The result of judging a decoder.
 #[derive(Clone, Debug)]

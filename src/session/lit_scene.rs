@@ -3,14 +3,14 @@
 
 use std::collections::BTreeSet;
 
-use crate::decode::decode;
-use crate::evaluate::{Coefficients, polynomial};
-use crate::generate::{Model, Recipe, plan::Residuals, spelling::Count, write};
-use crate::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
-use crate::ptm::{Coding, Format, Ptm, Shape, Size};
 use crate::runner::run::Request;
 use crate::session::{asking::DecoderFn, offer::Offer};
-use crate::suite::features::Feature;
+use ptm::decode::decode;
+use ptm::evaluate::{Coefficients, polynomial};
+use ptm::{Coding, Format, Ptm, Shape, Size};
+use ptm_generate::{Model, Recipe, plan::Residuals, spelling::Count, write};
+use ptm_suite::features::Feature;
+use ptm_suite::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 
 /// Width and height in texels.
 pub const SIDE: u32 = 64;
@@ -183,9 +183,9 @@ fn texel(x: f64, y: f64) -> [f64; 9] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Reading;
-    use crate::misreadings::answer;
     use crate::runner::run::Reply;
+    use ptm::Reading;
+    use ptm_mistakes::answer;
 
     fn scene(view: ViewKind, format: Format, decoder: &DecoderFn) -> Option<LitScene> {
         let offer = Offer {

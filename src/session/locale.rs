@@ -4,11 +4,11 @@
 
 use std::process::{Command, Stdio};
 
-use crate::protocol::frame::{Answer, View, ViewKind};
 use crate::runner::run::{Decoder, Request};
 use crate::runner::scratch::Scratch;
 use crate::session::{contact::FirstFile, run::Run};
-use crate::suite::cases::Suite;
+use ptm_suite::cases::Suite;
+use ptm_suite::protocol::frame::{Answer, View, ViewKind};
 
 /// Languages and territories whose locales have a decimal comma.
 const COMMA_LANGUAGES: [&str; 12] = [

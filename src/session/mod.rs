@@ -1,7 +1,7 @@
 //! A run, from first contact to the verdicts.
 //!
 //! Start with [`run::check`], which calls all stages in order. All requests, for PTM files or texture questions, are
-//! [`TestCase`](crate::suite::test_case::TestCase)s.
+//! [`TestCase`](ptm_suite::test_case::TestCase)s.
 
 mod again;
 pub mod asking;

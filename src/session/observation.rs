@@ -1,10 +1,10 @@
 //! The result of one request.
 
-use crate::protocol::frame::{Answer, TimeLimit};
 use crate::runner::run::AttemptKind;
-use crate::suite::cases::{Case, Expect};
-use crate::suite::dialect::RightDialects;
-use crate::suite::test_case::{Allowance, TestCase};
+use ptm_suite::cases::{Case, Expect};
+use ptm_suite::dialect::RightDialects;
+use ptm_suite::protocol::frame::{Answer, TimeLimit};
+use ptm_suite::test_case::{Allowance, TestCase};
 
 /// The result of one request.
 #[derive(Clone, Debug)]

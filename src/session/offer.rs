@@ -3,8 +3,8 @@
 use std::collections::BTreeSet;
 
 use crate::session::observation::{Observation, Response};
-use crate::suite::cases::{Case, Expect};
-use crate::suite::test_case::TestCase;
+use ptm_suite::cases::{Case, Expect};
+use ptm_suite::test_case::TestCase;
 
 /// The views and kinds of cases that a decoder offers.
 #[derive(Clone, Debug)]

@@ -7,22 +7,21 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use crate::decode::planes;
-use crate::misreadings;
-use crate::parts::PlaneStream;
-use crate::ptm::Coding;
-use crate::reading::Reading;
 use crate::runner::run::Request;
 use crate::session::files::check_file;
 use crate::session::{observation::Response, outcome::Outcome, plan::RunPlan, run::check};
-use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::test_case::Allowance;
+use ptm::Coding;
+use ptm::decode::planes;
+use ptm::parts::PlaneStream;
+use ptm::reading::Reading;
+use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::test_case::Allowance;
 
 /// Number of planes read by the decoder of the current test, and number of planes left to the reference.
 static COUNTS: [AtomicUsize; 2] = [AtomicUsize::new(0), AtomicUsize::new(0)];
 
 /// Samples of a stream, or the decoding error.
-type DecodedStream = crate::error::Result<Vec<u8>>;
+type DecodedStream = ptm::error::Result<Vec<u8>>;
 
 /// Returns the samples from `decode`, or those from the reference if `decode` cannot read the stream.
 fn decode_with(stream: &PlaneStream, decode: fn(&[u8]) -> Option<Vec<u8>>) -> DecodedStream {
@@ -64,7 +63,7 @@ fn assert_passes(stream: fn(&PlaneStream) -> DecodedStream) {
         ..RunPlan::new(&suite, 2)
     };
     let ask = |request: &Request<'_>, _: usize| {
-        misreadings::answer(&[], reading, request.file, request.view).into()
+        ptm_mistakes::answer(&[], reading, request.file, request.view).into()
     };
     let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
     let failed = run.judgment.with_outcome(Outcome::Fail);

@@ -4,7 +4,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::suite::cases::Expect;
+use ptm_suite::cases::Expect;
 
 /// The verdict on a case, with a reason.
 #[derive(Clone, Debug)]

@@ -10,13 +10,13 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::kit::digest::sha256;
-use crate::kit::yaml::{from_yaml, read_text, to_yaml};
-use crate::protocol::forms;
-use crate::protocol::frame::{Answer, View, ViewKind};
 use crate::runner::run::{Reply, Request};
-use crate::suite::cases::{Case, Suite, TableSpelling};
-use crate::suite::corpus::write_file;
+use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::corpus::write_file;
+use ptm_suite::kit::digest::sha256;
+use ptm_suite::kit::yaml::{from_yaml, read_text, to_yaml};
+use ptm_suite::protocol::forms;
+use ptm_suite::protocol::frame::{Answer, View, ViewKind};
 
 /// File name of the request list for programs.
 const LIST_NAME: &str = "requests.yaml";
@@ -58,7 +58,7 @@ impl ListedRequest {
 }
 
 /// The instructions in the exported directory.
-const READ_ME: &str = include_str!("../../spec-cases/outputs.txt");
+const READ_ME: &str = ptm_spec_cases::OUTPUTS_README;
 
 /// Writes the files that can be requested in `view` and the list of requests to `directory`. Returns the number of requests.
 ///

@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize};
 
 use serde::{Deserialize, Serialize};
 
-use crate::protocol::capabilities::Capabilities;
-use crate::suite::cases::{Expect, Suite, TableSpelling};
-use crate::suite::test_case::TestCase;
+use ptm_suite::cases::{Expect, Suite, TableSpelling};
+use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::test_case::TestCase;
 
 /// The plan of a run.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

@@ -14,8 +14,8 @@ use crate::session::observation::{Observation, Response};
 use crate::session::scores::{Fraction, Scores};
 use crate::session::tally::TimeoutWatch;
 use crate::session::{offer::Offer, outcome::Outcome, plan::RunPlan, remark::Remark};
-use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::test_case::TestCase;
+use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::test_case::TestCase;
 
 /// The results of a run.
 #[derive(Clone, Debug)]

@@ -4,7 +4,7 @@ use serde_json::Value;
 
 use crate::runner::run::{Decoder, Reply, Request};
 use crate::runner::scratch::Scratch;
-use crate::suite::texture::test_case::TextureView;
+use ptm_suite::texture::test_case::TextureView;
 
 /// Sends a file with a question and reads a JSON object from standard output.
 #[must_use]

@@ -4,18 +4,18 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value, json};
 
-use crate::protocol::frame::Answer;
 use crate::runner::run::Request;
 use crate::session::outcome::Outcome;
 use crate::session::plan::RunPlan;
 use crate::session::run::{Run, check};
-use crate::suite::cases::Suite;
-use crate::suite::texture::cases::TextureCase;
-use crate::suite::texture::choices::CHOICES;
-use crate::suite::texture::question::Question;
-use crate::suite::texture::test_case::TextureView;
-use crate::texture::map::CellPair;
-use crate::texture::{
+use ptm_suite::cases::Suite;
+use ptm_suite::protocol::frame::Answer;
+use ptm_suite::texture::cases::TextureCase;
+use ptm_suite::texture::choices::CHOICES;
+use ptm_suite::texture::question::Question;
+use ptm_suite::texture::test_case::TextureView;
+use ptm_texture::map::CellPair;
+use ptm_texture::{
     Boundary, Channel, Composition, Entry, Frequency, Level, MAX_WEIGHT_ERROR, RenderingControl,
     Rules, SampleMethod, Texel, TexelKind, TextureMap, fetch, fetch_with_tolerance, sample,
 };

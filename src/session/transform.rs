@@ -7,13 +7,13 @@
 
 use std::sync::Arc;
 
-use crate::protocol::frame::{Frame, ViewKind};
 use crate::session::asking::{UndoFn, UndoneTransform};
 use crate::session::contact::{Contact, FirstReply};
 use crate::session::curve;
 use crate::session::probe::{Arrangement, ProbeFault, join_texts};
 use crate::session::remark::Remark;
-use crate::suite::cases::{Case, Suite};
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::protocol::frame::{Frame, ViewKind};
 
 /// A change that affects all images of a view.
 pub struct CommonTransform {

@@ -4,9 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
-use crate::kit::embedded;
-use crate::kit::yaml::{from_files, from_yaml};
-use crate::suite::values::parse_hex;
+use ptm_suite::kit::yaml::{from_files, from_yaml};
+use ptm_suite::values::parse_hex;
 
 /// Chapter of the annotated format, rendered as one page.
 #[derive(Clone, Debug, Deserialize)]
@@ -113,24 +112,10 @@ pub struct Annotated {
 }
 
 /// Embedded chapters in the order of the specification.
-pub const CHAPTERS: &[(&str, &str)] = embedded![
-    "spec-cases/annotated",
-    "1.0-background.yaml",
-    "2.0-file-format.yaml",
-    "2.1-header-string.yaml",
-    "2.2-format-string.yaml",
-    "2.3-image-size.yaml",
-    "2.4-scale-and-bias.yaml",
-    "2.5-lookup-table.yaml",
-    "2.6-color-matrix.yaml",
-    "2.7-texel-data.yaml",
-    "2.8-indices.yaml",
-    "2.9-compressed.yaml",
-    "2.9.8-planes.yaml",
-];
+pub const CHAPTERS: &[(&str, &str)] = ptm_spec_cases::CHAPTERS;
 
 /// Base files for the examples.
-pub const FILES: &str = include_str!("../../spec-cases/annotated/files.yaml");
+pub const FILES: &str = ptm_spec_cases::CHAPTER_FILES;
 
 impl Annotated {
     /// Parses the base files for the examples, and the chapters, each of which is a pair of a file name and a text.

@@ -5,14 +5,14 @@ use maud::{Markup, html};
 use super::images;
 use super::misreading_pages::filter_box;
 use super::page::{PageContext, SiteFile};
-use crate::decode::decode;
-use crate::protocol::frame::View;
-use crate::ptm::channel_name;
 use crate::report::html::number;
-use crate::suite::cases::{Built, Case, Expect, TableSpelling};
-use crate::suite::compare::{Expected, tolerance_text};
-use crate::tools::inspect::{Inspection, inspect};
-use crate::tools::lint::lint;
+use ptm::channel_name;
+use ptm::decode::decode;
+use ptm_files::inspect::{Inspection, inspect};
+use ptm_files::lint::lint;
+use ptm_suite::cases::{Built, Case, Expect, TableSpelling};
+use ptm_suite::compare::{Expected, tolerance_text};
+use ptm_suite::protocol::frame::View;
 
 /// Maximum size in bytes of a file on the site. Larger files can be generated with the program.
 const MAX_DOWNLOAD_BYTES: usize = 64 << 10;
@@ -24,7 +24,7 @@ const MAX_FIELDS: usize = 32;
 /// Renders the list of cases and a page for each case. Also returns the files that are small enough.
 pub(super) fn pages(context: PageContext, jobs: usize) -> Vec<SiteFile> {
     let cases = &context.library.suite.cases;
-    let files = crate::kit::parallel::map_in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
+    let files = ptm_suite::kit::parallel::map_in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
         let built = cases[i].build(TableSpelling::default());
         let page = page(context, &cases[i], &built);
         let path = format!("files/{}.ptm", cases[i].id);

@@ -6,10 +6,9 @@ use maud::{Markup, html};
 
 use super::page::{PageContext, SiteFile};
 use super::readers::{ReaderRun, readers_with_mistake};
-use crate::misreadings;
-use crate::suite::cases::{Case, TableSpelling};
-use crate::tools::lint::codes::{self, Code};
-use crate::tools::lint::lint;
+use ptm_files::lint::codes::{self, Code};
+use ptm_files::lint::lint;
+use ptm_suite::cases::{Case, TableSpelling};
 
 /// Renders the list of codes and the page of each code.
 pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {
@@ -71,7 +70,7 @@ fn example(context: PageContext, code: &Code, cases: &[&Case]) -> Markup {
 
 /// Lists the readers that are affected by the problem that the code reports, based on runs and the catalog.
 fn affected_readers(context: PageContext, code: &Code, cases: &[&Case]) -> Markup {
-    let mut seen: Vec<_> = misreadings::all().collect();
+    let mut seen: Vec<_> = ptm_mistakes::all().collect();
     seen.retain(|m| m.clause == code.clause && !readers_with_mistake(m).is_empty());
     let runs = &context.library.runs;
     let tally = |run: &ReaderRun| {

@@ -11,11 +11,11 @@ use maud::{DOCTYPE, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
 use super::page::{PageContext, SiteFile};
-use crate::generate::spelling::Count;
-use crate::ptm::Format;
 use crate::report::html::STYLE;
 use crate::session::lit_scene;
-use crate::suite::cases::TableSpelling;
+use ptm::Format;
+use ptm_generate::spelling::Count;
+use ptm_suite::cases::TableSpelling;
 
 /// Commands that build the site with this page.
 const BUILD_COMMANDS: &str = "\

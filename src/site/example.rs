@@ -1,11 +1,11 @@
 //! Executes worked examples. A wrong value is an error, so published examples are always correct.
 
-use crate::decode::decode_as;
-use crate::protocol::frame::View;
-use crate::ptm::{Limits, channel_name};
-use crate::reading::Reading;
 use crate::site::annotated::{Annotated, AnnotatedClause, Files, WorkedExample};
-use crate::suite::choices::CHOICES;
+use ptm::decode::decode_as;
+use ptm::reading::Reading;
+use ptm::{Limits, channel_name};
+use ptm_suite::choices::CHOICES;
+use ptm_suite::protocol::frame::View;
 
 /// Successful execution of an example.
 #[derive(Clone, Debug)]

@@ -9,8 +9,8 @@ use super::example::{Decoding, Execution, execute};
 use super::page::{PageContext, SiteFile};
 use super::{formula::formula, misreading_pages, overview};
 use super::{readers::readers_with_mistake, ruling_pages};
-use crate::misreadings::{self, Misreading};
-use crate::suite::clauses::Clause;
+use ptm_mistakes::Misreading;
+use ptm_suite::clauses::Clause;
 
 /// Maximum number of misreadings per clause that are displayed with images. The others are listed.
 const MAX_ILLUSTRATED_MISREADINGS: usize = 2;
@@ -99,7 +99,7 @@ fn clause<'a>(
     let rule = rule.ok_or_else(|| format!("unknown clause {id}"))?;
     let executed = execute(annotated, rule.ruling.as_deref(), &library.annotated.files)?;
     let anchor = format!("c-{}", id.replace('/', "-"));
-    let mistakes = misreadings::all().filter(|misreading| misreading.clause == id);
+    let mistakes = ptm_mistakes::all().filter(|misreading| misreading.clause == id);
     Ok(html! {
         section.clause id=(anchor) aria-labelledby={ (anchor) "-h" } {
             h2 id={ (anchor) "-h" } { a.id href={ "#" (anchor) } { (id) } " " (rule.rule) }

@@ -5,7 +5,6 @@ use maud::html;
 use super::images;
 use super::overview;
 use super::page::{PageContext, SiteFile};
-use crate::misreadings;
 use crate::session::lit_scene::ball;
 
 /// URL of an archived copy of the specification.
@@ -20,7 +19,7 @@ pub(super) fn page(context: PageContext) -> SiteFile {
     let counts = [
         library.clauses.len(),
         library.suite.cases.len(),
-        misreadings::all().count(),
+        ptm_mistakes::all().count(),
         library.rulings.len(),
         library.readers().len(),
     ];

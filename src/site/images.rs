@@ -5,9 +5,9 @@ use image::{DynamicImage, GenericImageView, GrayImage, ImageBuffer, ImageFormat,
 use image::{Luma, Pixel, RgbImage};
 use maud::{Markup, html};
 
-use crate::evaluate::Coefficients;
-use crate::protocol::frame::{Frame, Samples, ViewKind};
-use crate::tools::render::{encode_image, render_lit};
+use ptm::evaluate::Coefficients;
+use ptm_files::render::{encode_image, render_lit};
+use ptm_suite::protocol::frame::{Frame, Samples, ViewKind};
 
 /// Maximum side length of a displayed image, in CSS pixels.
 const MAX_DISPLAYED_SIDE: u32 = 224;

@@ -8,15 +8,15 @@ use super::annotated::{Annotated, CHAPTERS, Chapter, FILES};
 use super::example::execute_all;
 use super::readers::{ReaderRun, reader_runs};
 use super::witness::{MisreadingWitness, witnesses};
-use crate::kit::yaml::from_yaml;
-use crate::misreadings::{self, Misreading};
-use crate::readers::profiles;
-use crate::suite::address;
-use crate::suite::cases::{Case, Suite};
-use crate::suite::clauses::{self, Clause, Ruling};
-use crate::suite::name::SuiteName;
-use crate::suite::texture::cases::{self as texture, TextureCase};
-use crate::tools::lint::codes;
+use ptm_files::lint::codes;
+use ptm_files::readers::profiles;
+use ptm_mistakes::Misreading;
+use ptm_suite::address;
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::clauses::{self, Clause, Ruling};
+use ptm_suite::kit::yaml::from_yaml;
+use ptm_suite::name::SuiteName;
+use ptm_suite::texture::cases::{self as texture, TextureCase};
 
 /// Id of the protocol between the suite and a decoder.
 pub(super) const PROTOCOL: &str = "PTM-CP 1";
@@ -95,7 +95,7 @@ impl Library {
         for reader in self.readers() {
             put(reader, "reader", Some(address::reader(reader)), "");
         }
-        for Misreading { slug, effect, .. } in misreadings::all() {
+        for Misreading { slug, effect, .. } in ptm_mistakes::all() {
             put(slug, "misreading", Some(ptm.misreading_page(slug)), effect);
         }
         for Case { id, because, .. } in &self.suite.cases {
@@ -108,7 +108,7 @@ impl Library {
             let page = Some(texture.ruling_page(id));
             put(id, "texture ruling", page, question.trim());
         }
-        for Misreading { slug, effect, .. } in misreadings::texture::all() {
+        for Misreading { slug, effect, .. } in ptm_mistakes::texture::all() {
             let page = Some(texture.misreading_page(slug));
             put(slug, "texture misreading", page, effect);
         }
@@ -125,7 +125,7 @@ impl Library {
 
     /// Returns all public readers that are known from a run, a profile or a sighting.
     pub(super) fn readers(&self) -> BTreeSet<&str> {
-        let seen = misreadings::behaviors().flat_map(|misreading| &misreading.sightings);
+        let seen = ptm_mistakes::behaviors().flat_map(|misreading| &misreading.sightings);
         let seen = seen.map(|sighting| sighting.reader.as_str());
         seen.chain(self.runs.iter().map(|run| run.reader.as_str()))
             .chain(profiles().iter().map(|profile| profile.reader.as_str()))
@@ -138,7 +138,7 @@ impl Library {
 }
 
 /// YAML source of [`Texts`].
-const TEXTS: &str = include_str!("../../spec-cases/site/texts.yaml");
+const TEXTS: &str = ptm_spec_cases::SITE_TEXTS;
 
 /// Name or URL, and the associated text.
 type NamedText = (String, String);

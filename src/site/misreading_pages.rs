@@ -6,23 +6,23 @@ use maud::{Markup, html};
 
 use super::page::{PageContext, SiteFile};
 use super::{images, readers::readers_with_mistake, witness::MisreadingWitness};
-use crate::decode::decode;
-use crate::misreadings::{self, Misreading};
-use crate::protocol::frame::{Answer, Frame, View};
-use crate::reading::Reading;
-use crate::suite::{cases::TableSpelling, clauses::section_of};
+use ptm::decode::decode;
+use ptm::reading::Reading;
+use ptm_mistakes::Misreading;
+use ptm_suite::protocol::frame::{Answer, Frame, View};
+use ptm_suite::{cases::TableSpelling, clauses::section_of};
 
 /// Renders the list of misreadings and the page of each misreading.
 pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {
     let mut pages = vec![list_page(context)];
-    pages.extend(misreadings::all().map(|misreading| page(context, misreading)));
+    pages.extend(ptm_mistakes::all().map(|misreading| page(context, misreading)));
     pages
 }
 
 fn list_page(context: PageContext) -> SiteFile {
-    let count = misreadings::all().count();
+    let count = ptm_mistakes::all().count();
     let mut sections: BTreeMap<&str, Vec<&Misreading>> = BTreeMap::new();
-    for misreading in misreadings::all() {
+    for misreading in ptm_mistakes::all() {
         let section = sections.entry(section_of(misreading.clause));
         section.or_default().push(misreading);
     }
@@ -115,7 +115,7 @@ pub(super) fn image_pair(context: PageContext, misreading: &Misreading) -> Marku
         _ => View::DEFAULT_RGB.parse().expect("a light"),
     };
     let wrong = |view: &View| {
-        let answer = misreadings::answer(&[misreading], Reading::SPEC, file, view);
+        let answer = ptm_mistakes::answer(&[misreading], Reading::SPEC, file, view);
         answer.decoded::<Frame>().ok()
     };
     let wrong_lit = wrong(&light);

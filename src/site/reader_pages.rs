@@ -6,10 +6,10 @@ use maud::{Markup, html};
 
 use super::page::{PageContext, SiteFile};
 use super::readers::ReaderRun;
-use crate::misreadings::{self, Misreading};
-use crate::readers::{Evidence, ReaderProfile, profiles};
 use crate::report::html::ClauseTally;
-use crate::suite::clauses::Clause;
+use ptm_files::readers::{Evidence, ReaderProfile, profiles};
+use ptm_mistakes::Misreading;
+use ptm_suite::clauses::Clause;
 
 /// Number of cases per outcome that are initially visible.
 const INITIALLY_VISIBLE_CASES: usize = 20;
@@ -36,9 +36,9 @@ fn mistakes(reader: &str) -> Vec<&'static Misreading> {
 /// Returns the mistakes of a reader, and its readings of open questions.
 fn behaviors(reader: &str) -> Vec<&'static Misreading> {
     let profiled = profile(reader).map_or(&[][..], |profile| &profile.misreadings);
-    let profiled = profiled.iter().map(|known| misreadings::find(&known.slug));
+    let profiled = profiled.iter().map(|known| ptm_mistakes::find(&known.slug));
     let mut mistakes: Vec<&Misreading> = profiled.flatten().collect();
-    for misreading in misreadings::behaviors() {
+    for misreading in ptm_mistakes::behaviors() {
         let mut seen = misreading.sightings.iter();
         let is_seen = seen.any(|sighting| sighting.reader == reader);
         if is_seen && !mistakes.iter().any(|known| known.slug == misreading.slug) {

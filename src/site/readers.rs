@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 
 use serde::Deserialize;
 
-use crate::kit::{embedded, yaml::from_files};
-use crate::misreadings::Misreading;
-use crate::readers::{ReaderProfile, profiles};
 use crate::session::outcome::Outcome;
+use ptm_files::readers::{ReaderProfile, profiles};
+use ptm_mistakes::Misreading;
+use ptm_suite::kit::yaml::from_files;
 
 /// Run of the suite against a public reader.
 #[derive(Clone, Debug, Deserialize)]
@@ -68,8 +68,14 @@ impl ReaderRun {
     }
 }
 
-const FILES: &[(&str, &str)] = embedded![
-    "reports/readers",
+/// Expands to the names and contents of reports.
+macro_rules! reports {
+    ($($name:literal),* $(,)?) => {
+        &[$(($name, include_str!(concat!("../../reports/readers/", $name)))),*]
+    };
+}
+
+const FILES: &[(&str, &str)] = reports![
     "cceh-rti.yaml",
     "jedmills.yaml",
     "oxrti.yaml",

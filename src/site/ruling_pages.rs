@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use super::page::{PageContext, SiteFile};
-use crate::suite::cases::Case;
-use crate::suite::clauses::{Basis, Ruling, RulingKind};
+use ptm_suite::cases::Case;
+use ptm_suite::clauses::{Basis, Ruling, RulingKind};
 
 /// Renders the list of rulings and the page of each ruling.
 pub(super) fn pages(context: PageContext) -> Vec<SiteFile> {

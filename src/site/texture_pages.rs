@@ -4,9 +4,8 @@ use maud::{Markup, html};
 
 use super::page::{PageContext, SiteFile};
 use super::ruling_pages;
-use crate::misreadings;
-use crate::suite::clauses::{Clause, section_of};
-use crate::suite::texture::{cases::TextureCase, verify::verify};
+use ptm_suite::clauses::{Clause, section_of};
+use ptm_suite::texture::{cases::TextureCase, verify::verify};
 
 /// Renders all pages about texture mapping. Returns an error if the reference does not return the expected answer to a case.
 pub(super) fn pages(context: PageContext) -> Result<Vec<SiteFile>, String> {
@@ -119,7 +118,7 @@ fn mistakes(context: PageContext) -> SiteFile {
     let body = html! {
         p.kicker { a href="index.html" { "Texture" } }
         h1 { "Texture: misreadings" }
-        ul.plain { @for misreading in misreadings::texture::all() {
+        ul.plain { @for misreading in ptm_mistakes::texture::all() {
             li id=(misreading.slug) { code { (misreading.slug) } " " (context.link_as(misreading.clause, &html! { (misreading.clause) })) ": the stage " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
         } }
     };

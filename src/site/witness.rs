@@ -3,14 +3,14 @@
 use std::collections::HashMap;
 
 use crate::diagnose::can_affect_file;
-use crate::kit::parallel::map_in_parallel;
-use crate::misreadings::{self, Misreading, answer};
-use crate::protocol::frame::{Answer, View};
-use crate::reading::Reading;
-use crate::suite::cases::{Case, Expect, Suite, TableSpelling};
-use crate::suite::choices::CHOICES;
-use crate::suite::dialect::{Dialect, RightDialects};
-use crate::suite::test_case::TestCase;
+use ptm::reading::Reading;
+use ptm_mistakes::{Misreading, answer};
+use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::choices::CHOICES;
+use ptm_suite::dialect::{Dialect, RightDialects};
+use ptm_suite::kit::parallel::map_in_parallel;
+use ptm_suite::protocol::frame::{Answer, View};
+use ptm_suite::test_case::TestCase;
 
 /// File that reveals a misreading.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ pub(super) fn witnesses(suite: &Suite, jobs: usize) -> HashMap<&'static str, Mis
     let mut by_size: Vec<usize> = (0..suite.cases.len()).collect();
     let built = |index: usize| suite.cases[index].build(TableSpelling::default());
     by_size.sort_by_cached_key(|&index| built(index).file.len());
-    let all: Vec<&'static Misreading> = misreadings::all().collect();
+    let all: Vec<&'static Misreading> = ptm_mistakes::all().collect();
     let found = map_in_parallel(all.len(), jobs, &|_, _| (), &|i| {
         let mut cases = by_size.iter();
         let witness = cases.find_map(|&index| witness(all[i], index, &suite.cases[index]));

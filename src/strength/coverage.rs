@@ -9,11 +9,11 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Serialize;
 
-use crate::generate::{Numbers, Recipe};
-use crate::ptm::{Format, Size};
 use crate::strength::matrix::MatrixRow;
-use crate::suite::cases::{Case, Expect, Suite};
-use crate::suite::clauses::{self, ClauseStatus};
+use ptm::{Format, Size};
+use ptm_generate::{Numbers, Recipe};
+use ptm_suite::cases::{Case, Expect, Suite};
+use ptm_suite::clauses::{self, ClauseStatus};
 
 /// All measurements of a suite.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]

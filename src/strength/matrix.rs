@@ -5,16 +5,16 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Mutex;
 
 use crate::diagnose::{can_affect_file, decode_stream_cached};
-use crate::misreadings::texture::Change;
-use crate::misreadings::{self, Hook, Misreading};
-use crate::protocol::frame::{Answer, Frame};
-use crate::reading::Reading;
 use crate::runner::run::Request;
 use crate::session::run::{Run, check};
 use crate::session::{outcome::Outcome, plan::RunPlan};
-use crate::suite::cases::{Case, Suite};
-use crate::suite::{test_case::TestCase, texture::cases::TextureCase};
-use crate::texture::Rules;
+use ptm::reading::Reading;
+use ptm_mistakes::texture::Change;
+use ptm_mistakes::{Hook, Misreading};
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::protocol::frame::{Answer, Frame};
+use ptm_suite::{test_case::TestCase, texture::cases::TextureCase};
+use ptm_texture::Rules;
 
 /// Results of a suite for a decoder with one mistake.
 pub struct MatrixRow<A: 'static = Hook> {
@@ -33,8 +33,8 @@ pub type KnownAnswers<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
 #[must_use]
 pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Vec<MatrixRow> {
     let (_, correct) = run_with_mistakes(suite, &[], &[], jobs, &HashMap::new());
-    let all = misreadings::all().count();
-    let rows = misreadings::all().enumerate().map(|(i, misreading)| {
+    let all = ptm_mistakes::all().count();
+    let rows = ptm_mistakes::all().enumerate().map(|(i, misreading)| {
         let results = run_with_mistakes(suite, &[misreading], &[], jobs, &correct);
         progress(i + 1, all);
         matrix_row(suite, misreading, results, Frame::hash)
@@ -45,7 +45,7 @@ pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Ve
 /// Runs the suite of texture questions against every misreading.
 #[must_use]
 pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<Change>> {
-    let rows = misreadings::texture::all().map(|misreading| {
+    let rows = ptm_mistakes::texture::all().map(|misreading| {
         let rules = misreading.apply_to(Rules::SPEC);
         let ask = |request: &Request<'_, _>| {
             let case = suite.case(request.name).expect("the case exists");
@@ -102,7 +102,7 @@ pub fn run_with_mistakes(
         let known = correct.get(&answer_key::<Case>(request.name, request.view));
         let can_affect = |mistake: &&Misreading| can_affect_file(mistake, request.file);
         let known = known.filter(|_| !mistakes.iter().any(can_affect)).cloned();
-        let compute = || misreadings::answer(mistakes, reading, request.file, request.view);
+        let compute = || ptm_mistakes::answer(mistakes, reading, request.file, request.view);
         known.unwrap_or_else(compute)
     };
     let plan = RunPlan {

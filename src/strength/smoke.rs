@@ -6,12 +6,12 @@
 
 use std::fmt::Write;
 
-use crate::kit::yaml::from_yaml;
 use crate::strength::matrix::MatrixRow;
-use crate::suite::cases::Suite;
+use ptm_suite::cases::Suite;
+use ptm_suite::kit::yaml::from_yaml;
 
 /// Embedded list of case ids.
-const SMOKE_LIST: &str = include_str!("../../spec-cases/smoke.yaml");
+const SMOKE_LIST: &str = ptm_spec_cases::SMOKE;
 
 /// Returns the ids of the cases in the subset.
 ///

@@ -5,21 +5,21 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use crate::diagnose::Diagnosis;
-use crate::generate::{Model, Recipe, plan::Residuals, recipe::Indices};
-use crate::kit::yaml::records;
-use crate::misreadings::Misreading;
-use crate::ptm::{Coding, Format, ScaleBias};
 use crate::runner::write::Attachment;
 use crate::session::run::Run;
-use crate::suite::cases::{Expect, Suite};
-use crate::suite::{name::SuiteName, recipes::MakeRecord, words::Words};
-use crate::tools::join_texts;
 use crate::writers::request::{PredictionAdvice, RequestHeader, WriteRequest};
 use crate::writers::test_case::{BuiltRequest, FileCase, RequestValues};
 use crate::writers::{diagnose::diagnose, fault::WriterFault, judge::judge};
+use ptm::{Coding, Format, ScaleBias};
+use ptm_files::join_texts;
+use ptm_generate::{Model, Recipe, plan::Residuals, recipe::Indices};
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::{Expect, Suite};
+use ptm_suite::kit::yaml::records;
+use ptm_suite::{name::SuiteName, recipes::MakeRecord, words::Words};
 
 /// YAML source of the embedded requests.
-const REQUESTS: &str = include_str!("../../spec-cases/writers/requests.yaml");
+const REQUESTS: &str = ptm_spec_cases::writers::REQUESTS;
 
 /// Case of the writer suite: a request whose values are the requested contents of the file.
 pub type WriterCase = FileCase<Recipe>;
@@ -42,27 +42,25 @@ struct RequestRecord {
     smoke: Vec<String>,
 }
 
-impl Suite<WriterCase> {
-    /// Loads the embedded suite of requests.
-    ///
-    /// # Errors
-    /// Returns a message that names the invalid line or request.
-    pub fn load_writer_requests() -> Result<Suite<WriterCase>, String> {
-        let records = records(REQUESTS).map_err(|error| format!("requests.yaml: {error}"))?;
-        let mut cases: Vec<WriterCase> = Vec::new();
-        for (line, record) in records {
-            let record: RequestRecord = record;
-            for words in Words::combinations(&record.for_each) {
-                let id = words.id(&record.id);
-                let locate = |error| format!("requests.yaml: line {line}: {id}: {error}");
-                if cases.iter().any(|case| case.id == id) {
-                    return Err(locate("duplicate request".to_owned()));
-                }
-                cases.push(record.case(&words).map_err(locate)?);
+/// Loads the embedded suite of requests.
+///
+/// # Errors
+/// Returns a message that names the invalid line or request.
+pub fn load_writer_requests() -> Result<Suite<WriterCase>, String> {
+    let records = records(REQUESTS).map_err(|error| format!("requests.yaml: {error}"))?;
+    let mut cases: Vec<WriterCase> = Vec::new();
+    for (line, record) in records {
+        let record: RequestRecord = record;
+        for words in Words::combinations(&record.for_each) {
+            let id = words.id(&record.id);
+            let locate = |error| format!("requests.yaml: line {line}: {id}: {error}");
+            if cases.iter().any(|case| case.id == id) {
+                return Err(locate("duplicate request".to_owned()));
             }
+            cases.push(record.case(&words).map_err(locate)?);
         }
-        Ok(Suite { cases })
     }
+    Ok(Suite { cases })
 }
 
 impl RequestRecord {
@@ -103,7 +101,7 @@ impl RequestValues for Recipe {
     const EXPECTED: &'static str = "a file";
 
     fn suite() -> Result<Suite<WriterCase>, String> {
-        Suite::load_writer_requests()
+        load_writer_requests()
     }
 
     fn entries(&self) -> Option<u32> {

@@ -9,17 +9,17 @@ use std::collections::BTreeMap;
 
 use crate::diagnose::cover::{CoverCandidate, cover};
 use crate::diagnose::{Category, Cause, Diagnosis, can_combine};
-use crate::generate::Recipe;
-use crate::kit::parallel::map_in_parallel;
-use crate::misreadings::Misreading;
-use crate::misreadings::writing::{self, WriterMistake};
-use crate::ptm::Format;
 use crate::session::{outcome::Outcome, run::Run};
-use crate::suite::cases::Suite;
 use crate::writers::fault::WriterFault;
 use crate::writers::misread_file::{MisreadFile, explains, is_right_only_with};
 use crate::writers::test_case::{FileCase, RequestValues, wrong_file};
 use crate::writers::{reference::write_requested_file, request::WriteRequest};
+use ptm::Format;
+use ptm_generate::Recipe;
+use ptm_mistakes::Misreading;
+use ptm_mistakes::writing::{self, WriterMistake};
+use ptm_suite::cases::Suite;
+use ptm_suite::kit::parallel::map_in_parallel;
 
 /// Maximum size in bytes of the files that are searched for mistakes.
 const MAX_FILE_BYTES: usize = 100_000;

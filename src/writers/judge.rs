@@ -5,12 +5,12 @@
 
 use std::fmt::Write;
 
-use crate::decode::texels::block_containing;
-use crate::error::Error;
-use crate::ptm::{Format, Ptm, Shape, Size, Storage, channel_name};
-use crate::tools::dissection::{Dissection, Role};
-use crate::tools::{join_texts, lint::codes::Severity, lint::lint};
 use crate::writers::{fault::WriterFault, request::WriteRequest};
+use ptm::decode::texels::block_containing;
+use ptm::error::Error;
+use ptm::{Format, Ptm, Shape, Size, Storage, channel_name};
+use ptm_files::dissection::{Dissection, Role};
+use ptm_files::{join_texts, lint::codes::Severity, lint::lint};
 
 /// Relative tolerance for header numbers: one rounding to `f32`.
 pub(super) const NUMBER_TOLERANCE: f64 = 1e-6;

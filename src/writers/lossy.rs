@@ -11,10 +11,10 @@
 
 use std::collections::HashSet;
 
-use crate::codec::jpeg::scaled_steps;
-use crate::decode::planes::parse_records;
-use crate::ptm::channel_name;
 use crate::writers::{fault::WriterFault, request::WriteRequest};
+use ptm::channel_name;
+pub use ptm::codec::jpeg::scaled_steps;
+use ptm::decode::planes::parse_records;
 
 /// Additional tolerance per sample for rounding in the integer transforms of the encoder and the decoder.
 const ROUNDING_TOLERANCE: f64 = 1.0;

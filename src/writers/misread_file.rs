@@ -3,16 +3,16 @@
 //! A writer can misread a clause in the same way as a reader. In that case, either only a reader with this mistake sees the right
 //! values in the file, or the file contains the values that this reader sees in the right file.
 
-use crate::decode::fields;
-use crate::formula::{self, Edit, Edits};
-use crate::misreadings::{
-    Anatomy, EditedFile, Hook, Misreading, Stage, formula_edits, plane_edits, read,
-};
-use crate::protocol::frame::{Samples, View};
-use crate::ptm::{Ptm, ScaleBias, Shape};
-use crate::reading::Reading;
 use crate::writers::request::{WriteRequest, new_map};
 use crate::writers::{judge::is_same_number, lossy::matches_within_loss};
+use ptm::decode::fields;
+use ptm::reading::Reading;
+use ptm::{Ptm, ScaleBias, Shape};
+use ptm_mistakes::formula::{self, Edit, Edits};
+use ptm_mistakes::{
+    Anatomy, EditedFile, Hook, Misreading, Stage, formula_edits, plane_edits, read,
+};
+use ptm_suite::protocol::frame::{Samples, View};
 
 /// Views under four lights; if any coefficient differs, the color differs in at least one of the views.
 const VIEWS: [&str; 4] = [

@@ -1,22 +1,22 @@
 //! Checklist for authors of writers: one request per format, and the fault of each file.
 
-use crate::kit::last_message::quote_last_message;
-use crate::misreadings::writing;
-use crate::protocol::frame::Answer;
 use crate::runner::run::{AttemptKind, Decoder, Reply};
 use crate::runner::scratch::Scratch;
 use crate::session::probe::Checklist;
-use crate::suite::cases::Suite;
+use crate::writers::cases::load_writer_requests;
 use crate::writers::{asking, cases::WriterCase};
 use crate::writers::{judge::judge, misread_file::explains};
 use crate::writers::{reference::write_requested_file, test_case::WrittenFile};
+use ptm_mistakes::writing;
+use ptm_suite::kit::last_message::quote_last_message;
+use ptm_suite::protocol::frame::Answer;
 
 /// Runs all steps of the checklist against `writer`.
 ///
 /// # Errors
 /// Returns an error if the embedded requests cannot be loaded.
 pub fn probe(writer: &Decoder, scratch: &Scratch) -> Result<Checklist, String> {
-    let suite = Suite::load_writer_requests()?;
+    let suite = load_writer_requests()?;
     let mut list = Checklist::default();
     for case in suite.cases.iter().filter(|case| case.first) {
         let reply = asking::request_file(writer, case, AttemptKind::Alone, scratch);

@@ -1,9 +1,9 @@
 //! Reference writer: generates the file for a request, in the spelling that every known reader accepts.
 
-use crate::generate::plan::{Compression, Residuals};
-use crate::generate::{Model, Recipe, write};
-use crate::ptm::Format;
 use crate::writers::request::WriteRequest;
+use ptm::Format;
+use ptm_generate::plan::{Compression, Residuals};
+use ptm_generate::{Model, Recipe, write};
 
 /// Reason why a file was not written.
 #[derive(Clone, Debug, PartialEq, Eq)]

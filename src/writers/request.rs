@@ -17,10 +17,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::protocol::frame::{Samples, ViewKind};
-use crate::protocol::npy;
-use crate::ptm::{Coding, ColorMatrix, Format, Header, Planes, Ptm, ScaleBias, Shape, Size};
-use crate::tools::export::npy_bytes;
+use ptm::{Coding, ColorMatrix, Format, Header, Planes, Ptm, ScaleBias, Shape, Size};
+use ptm_files::export::npy_bytes;
+use ptm_suite::protocol::frame::{Samples, ViewKind};
+use ptm_suite::protocol::npy;
 
 /// Request to write a file.
 #[derive(Clone, Debug, PartialEq)]

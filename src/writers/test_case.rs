@@ -7,21 +7,21 @@ use data_encoding::BASE64;
 use maud::{Markup, html};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use crate::decode::decode;
 use crate::diagnose::{Causes, Diagnosis};
-use crate::kit::digest::sha256;
-use crate::misreadings::Misreading;
-use crate::ptm::{Format, Size};
 use crate::report::html::{download, standard_error};
 use crate::report::reported::Reportable;
 use crate::runner::write::Attachment;
 use crate::session::observation::{Observation, Response};
 use crate::session::run::Run;
-use crate::suite::cases::{Expect, Suite, TableSpelling};
-use crate::suite::dialect::{Choices, RightDialects};
-use crate::suite::test_case::{Allowance, Comparison, TestCase};
-use crate::suite::{features::Feature, name::SuiteName};
 use crate::writers::fault::WriterFault;
+use ptm::decode::decode;
+use ptm::{Format, Size};
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::{Expect, Suite, TableSpelling};
+use ptm_suite::dialect::{Choices, RightDialects};
+use ptm_suite::kit::digest::sha256;
+use ptm_suite::test_case::{Allowance, Comparison, TestCase};
+use ptm_suite::{features::Feature, name::SuiteName};
 
 /// Maximum number of bytes of a wrong file that a page displays.
 const MAX_DISPLAYED_BYTES: usize = 512;

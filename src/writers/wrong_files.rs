@@ -6,11 +6,11 @@
 //! - *Moved*: the writer stores each value at the position where this reader looks for it.
 //! - *Repaired*: the writer corrects each number by the error of this reader, until the reader sees the right numbers.
 
-use crate::misreadings::Misreading;
-use crate::ptm::Ptm;
 use crate::writers::misread_file::{MisreadFile, edit_bytes, explains};
 use crate::writers::reference::write_requested_file;
 use crate::writers::request::{RequestHeader, WriteRequest};
+use ptm::Ptm;
+use ptm_mistakes::Misreading;
 
 /// Maximum number of repairs. Several are needed if planes are predicted from one another in a chain.
 const MAX_REPAIRS: usize = 20;

@@ -8,7 +8,7 @@ use std::process::{Command, Output, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use ptm_conform::kit::yaml::from_yaml;
+use ptm_suite::kit::yaml::from_yaml;
 use serde_json::Value;
 use tempfile::TempDir;
 

@@ -1,14 +1,14 @@
 //! Decoders inside this process, and runs of the suite against them.
 
-use ptm_conform::Reading;
-use ptm_conform::formula::Edit;
-use ptm_conform::misreadings::{self, Hook, Misreading, Symptom};
-use ptm_conform::protocol::frame::Answer;
-use ptm_conform::ptm::Format;
+use ptm::Format;
+use ptm::Reading;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, check};
-use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
+use ptm_mistakes::formula::Edit;
+use ptm_mistakes::{Hook, Misreading, Symptom};
+use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::protocol::frame::Answer;
 
 pub fn suite() -> Suite {
     Suite::load().expect("the suite loads")
@@ -31,7 +31,7 @@ pub fn jobs() -> usize {
 /// Returns the misreading in the catalog with this slug.
 #[track_caller]
 pub fn misreading(slug: &str) -> &'static Misreading {
-    misreadings::find(slug).unwrap_or_else(|| panic!("no misreading {slug}"))
+    ptm_mistakes::find(slug).unwrap_or_else(|| panic!("no misreading {slug}"))
 }
 
 /// Returns a misreading that applies these edits to formulas.
@@ -56,7 +56,7 @@ pub fn step_misreading(step: Hook) -> Misreading {
 
 /// Returns the answer of a decoder with these misreadings.
 pub fn answer_with(mistakes: &[&Misreading], request: &Request) -> Answer {
-    misreadings::answer(mistakes, Reading::SPEC, request.file, request.view)
+    ptm_mistakes::answer(mistakes, Reading::SPEC, request.file, request.view)
 }
 
 /// Returns the answer of the reference decoder.

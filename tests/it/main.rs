@@ -1,10 +1,8 @@
 //! One binary for all integration tests; folders are named after the `src` modules that they test.
 
-#[cfg(all(unix, feature = "cli"))]
+#[cfg(unix)]
 mod common;
-#[cfg(feature = "harness")]
 mod in_process;
-#[cfg(feature = "generate")]
 mod random;
 mod skip;
 mod table;
@@ -19,7 +17,6 @@ mod misreadings;
 mod packages;
 mod protocol;
 mod readers;
-#[cfg(feature = "harness")]
 mod recordings;
 mod report;
 mod repository;

@@ -6,12 +6,12 @@
 
 use std::cell::RefCell;
 
-use ptm_conform::Ptm;
-use ptm_conform::error::{Class, Error};
-use ptm_conform::kit::digest::sha256;
-use ptm_conform::ptm::Shape;
-use ptm_conform::tools::inspect::inspect;
-use ptm_conform::tools::lint::lint;
+use ptm::Ptm;
+use ptm::error::{Class, Error};
+use ptm_suite::kit::digest::sha256;
+use ptm::Shape;
+use ptm_files::inspect::inspect;
+use ptm_files::lint::lint;
 use serde_json::{Value, json};
 
 /// The open file and its results.
@@ -50,7 +50,7 @@ pub extern "C" fn reserve(length: usize) -> *mut u8 {
 #[unsafe(no_mangle)]
 pub extern "C" fn open() -> u32 {
     with_opened(|opened| {
-        let decoded = ptm_conform::decode(&opened.file);
+        let decoded = ptm::decode(&opened.file);
         opened.report = describe(decoded.as_ref());
         opened.json = opened.report.to_string();
         opened.map = decoded.ok();

@@ -12,10 +12,10 @@ use std::env;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use ptm_conform::Reading;
-use ptm_conform::misreadings::{self, Hook, Misreading, Symptom};
-use ptm_conform::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
-use ptm_conform::ptm::Coding;
+use ptm::Reading;
+use ptm_mistakes::{Hook, Misreading, Symptom};
+use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
+use ptm::Coding;
 
 fn main() -> ExitCode {
     let words: Vec<String> = env::args().collect();
@@ -38,10 +38,10 @@ fn main() -> ExitCode {
 }
 
 fn answer(file: &[u8], view: &View) -> Answer {
-    let is_jpeg = |ptm: &ptm_conform::Ptm| ptm.header.format.coding() == Some(Coding::Jpeg);
-    if !ptm_conform::decode(file).is_ok_and(|ptm| is_jpeg(&ptm)) {
+    let is_jpeg = |ptm: &ptm::Ptm| ptm.header.format.coding() == Some(Coding::Jpeg);
+    if !ptm::decode(file).is_ok_and(|ptm| is_jpeg(&ptm)) {
         // Only legal JPEG files are of interest here; the reference answers for the others.
-        return misreadings::answer(&[], Reading::SPEC, file, view);
+        return ptm_mistakes::answer(&[], Reading::SPEC, file, view);
     }
     let codec = Misreading {
         slug: "jpeg-decoder",
@@ -56,9 +56,9 @@ fn answer(file: &[u8], view: &View) -> Answer {
             jpeg_decoder::Decoder::new(stream.bytes).decode().or_else(|error| {
                 eprintln!("plane {}: {error}", stream.plane);
                 // Any error refuses the file.
-                ptm_conform::decode(&[]).map(|_| Vec::new())
+                ptm::decode(&[]).map(|_| Vec::new())
             })
         }),
     };
-    misreadings::answer(&[&codec], Reading::SPEC, file, view)
+    ptm_mistakes::answer(&[&codec], Reading::SPEC, file, view)
 }

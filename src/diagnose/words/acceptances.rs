@@ -3,10 +3,10 @@
 use super::list_first;
 use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
 use crate::diagnose::witness::Witness;
-use crate::misreadings::{Misreading, Symptom};
-use crate::protocol::frame::Answer;
 use crate::session::observation::Response;
-use crate::suite::cases::{Case, Expect};
+use ptm_mistakes::{Misreading, Symptom};
+use ptm_suite::cases::{Case, Expect};
+use ptm_suite::protocol::frame::Answer;
 
 /// Describes acceptances, grouped by clause, and removes them from `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {

@@ -1,9 +1,9 @@
 //! Formats the computation of one value, with the numbers in the file.
 
 use crate::diagnose::witness::Witness;
-use crate::protocol::frame::View;
-use crate::ptm::{Ptm, Shape};
-use crate::suite::compare;
+use ptm::{Ptm, Shape};
+use ptm_suite::compare;
+use ptm_suite::protocol::frame::View;
 
 /// Formats the computation of a value in an image from stored values. Returns `None` if the value itself is stored.
 pub(in crate::diagnose) fn format_arithmetic(

@@ -11,11 +11,11 @@ use crate::diagnose::scope::{FileScope, SharedScope, format_sets, shared_scope};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_few, is_most, is_substantial};
 use crate::diagnose::{mistake::ChannelSubset, pair::ImagePair, witness::Witness};
-use crate::protocol::frame::{Answer, Frame, ViewKind};
-use crate::ptm::{Coding, Format, ScaleBias, channel_name};
 use crate::session::observation::Response;
-use crate::suite::compare::{Expected, format_distinct};
-use crate::suite::origin;
+use ptm::{Coding, Format, ScaleBias, channel_name};
+use ptm_suite::compare::{Expected, format_distinct};
+use ptm_suite::origin;
+use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
 
 /// Maximum number of channels that are listed by name.
 const MAX_LISTED: usize = 3;

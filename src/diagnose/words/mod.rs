@@ -13,8 +13,8 @@ pub use arithmetic::format_steps as arithmetic_steps;
 
 use super::scope::{SharedScope, list_formats, own_formats};
 use super::witness::Witness;
-use crate::ptm::Format;
-use crate::suite::cases::Expect;
+use ptm::Format;
+use ptm_suite::cases::Expect;
 
 /// Describes the files in a scope: "every legal file with predicted planes", "12 of 14 legal files with predicted planes" if other
 /// files in the scope fail in another way, or "12 legal files with predicted planes" if other files were not judged.

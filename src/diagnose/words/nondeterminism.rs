@@ -2,10 +2,10 @@
 
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
 use crate::diagnose::tuning::is_substantial;
-use crate::protocol::frame::Answer;
 use crate::session::observation::{Nondeterminism, Response};
 use crate::session::{outcome::Outcome, run::Run};
-use crate::suite::cases::Suite;
+use ptm_suite::cases::Suite;
+use ptm_suite::protocol::frame::Answer;
 
 /// Describes the cases whose responses differ between serve mode and one-shot mode, or between calls.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> {

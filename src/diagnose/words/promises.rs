@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
 use crate::diagnose::witness::breaks_promise;
 use crate::session::run::Run;
-use crate::suite::cases::Suite;
+use ptm_suite::cases::Suite;
 
 /// Describes all declared formats that the decoder does not read.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosis> {

@@ -5,10 +5,10 @@ use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
 use crate::diagnose::scope::{format_sets, shared_scope};
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
 use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
-use crate::kit::last_message::quote_last_message;
-use crate::misreadings::{Misreading, Symptom};
-use crate::ptm::Format;
-use crate::suite::cases::Expect;
+use ptm::Format;
+use ptm_mistakes::{Misreading, Symptom};
+use ptm_suite::cases::Expect;
+use ptm_suite::kit::last_message::quote_last_message;
 
 /// Describes refusals by a property that the refused files share and no decoded file has. Removes these files from `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {

@@ -4,9 +4,9 @@ use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::tuning::{MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::{Witness, uniform_value};
-use crate::protocol::frame::{Frame, ViewKind};
 use crate::session::observation::Response;
-use crate::suite::cases::Expect;
+use ptm_suite::cases::Expect;
+use ptm_suite::protocol::frame::{Frame, ViewKind};
 
 /// Describes views whose images do not depend on the file, and removes these images from `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {

@@ -4,7 +4,7 @@ use super::{acceptances::fault_text, list_first, refusals::example, refusals::re
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
 use crate::session::observation::Response;
-use crate::suite::cases::Expect;
+use ptm_suite::cases::Expect;
 
 /// Describes violations on files that need not be decoded, grouped by failure mode. Removes these files from `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {

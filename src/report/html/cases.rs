@@ -9,7 +9,7 @@ use crate::report::html::evidence::standard_error;
 use crate::report::html::shell::{link, mark};
 use crate::report::{reported::Reportable, suite_texts::SuiteTexts};
 use crate::session::{outcome::Outcome, run::Run};
-use crate::suite::{cases::Suite, name::SuiteName};
+use ptm_suite::{cases::Suite, name::SuiteName};
 
 /// Maximum number of bytes of markup for the evidence of all failing cases: images, files, excerpts, previews and standard
 /// error. Evidence that does not fit is omitted, and the page mentions the omission.

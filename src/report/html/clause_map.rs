@@ -6,8 +6,8 @@ use maud::{Markup, html};
 
 use crate::report::{document::Report, html::shell::link};
 use crate::session::outcome::Outcome;
-use crate::suite::clauses::{Clause, ClauseStatus, section_of};
-use crate::suite::name::SuiteName;
+use ptm_suite::clauses::{Clause, ClauseStatus, section_of};
+use ptm_suite::name::SuiteName;
 
 /// Results of a run for one clause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use crate::report::document::{LikelyCause, Report};
 use crate::report::html::{cases::Group, shell::link};
 use crate::report::words::{call_instructions, details};
 use crate::session::outcome::Outcome;
-use crate::suite::{address::published_url, clauses::Clause};
+use ptm_suite::{address::published_url, clauses::Clause};
 
 /// Renders the causes, sorted by the number of cases that each explains.
 pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -> Markup {

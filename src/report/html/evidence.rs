@@ -5,18 +5,18 @@ use std::ops::Range;
 use data_encoding::BASE64;
 use maud::{Markup, html};
 
-use crate::decode::decode;
 use crate::diagnose::arithmetic_steps;
-use crate::protocol::frame::{Frame, View, ViewKind};
-use crate::ptm::{Shape, channel_name};
 use crate::report::html::figures::{self, Position};
 use crate::report::html::preview;
 use crate::session::observation::{Observation, Response};
-use crate::suite::cases::{Built, Case, TableSpelling};
-use crate::suite::compare::{Difference, Expected};
-use crate::suite::dialect::RightDialects;
-use crate::suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
-use crate::suite::texture::cases::TextureCase;
+use ptm::decode::decode;
+use ptm::{Shape, channel_name};
+use ptm_suite::cases::{Built, Case, TableSpelling};
+use ptm_suite::compare::{Difference, Expected};
+use ptm_suite::dialect::RightDialects;
+use ptm_suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
+use ptm_suite::protocol::frame::{Frame, View, ViewKind};
+use ptm_suite::texture::cases::TextureCase;
 
 pub fn case_evidence(case: &Case, table: TableSpelling, observed: &Observation) -> Markup {
     let built = case.build(table);

@@ -8,10 +8,10 @@ use std::ops::Range;
 
 use maud::{Markup, html};
 
-use crate::protocol::frame::{Frame, ViewKind};
-use crate::ptm::channel_name;
 use crate::report::html::compare::{ComparedImages, png_data_url};
-use crate::suite::compare::Expected;
+use ptm::channel_name;
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::frame::{Frame, ViewKind};
 
 /// Maximum number of displayed columns and rows of a plane.
 const MAX_SIDE: usize = 48;

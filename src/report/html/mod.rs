@@ -15,9 +15,7 @@ mod preview;
 mod scene;
 mod shell;
 
-#[cfg(feature = "cli")]
 pub(crate) use clause_map::ClauseTally;
-#[cfg(feature = "cli")]
 pub(crate) use evidence::{download, number, standard_error};
 pub use matrix::matrix;
 pub use page::{page, page_without_images};

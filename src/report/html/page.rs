@@ -9,7 +9,7 @@ use crate::report::html::shell::{complete_page, link, mark, verdict_mark};
 use crate::report::html::{clause_map, scene};
 use crate::report::{reported::Reportable, suite_texts::SuiteTexts};
 use crate::session::{lit_scene::LitScene, outcome::Outcome, run::Run, scores::Fraction};
-use crate::suite::{address::SITE, cases::Suite, clauses::Ruling};
+use ptm_suite::{address::SITE, cases::Suite, clauses::Ruling};
 
 /// Renders the page of a report, with images of the responses.
 #[must_use]

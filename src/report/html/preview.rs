@@ -6,10 +6,10 @@
 use data_encoding::BASE64;
 use maud::{Markup, html};
 
-use crate::decode::decode;
-use crate::protocol::frame::{Frame, Samples, View, ViewKind};
-use crate::ptm::{ColorMatrix, Ptm, Shape};
-use crate::suite::{cases::Built, compare::Expected};
+use ptm::decode::decode;
+use ptm::{ColorMatrix, Ptm, Shape};
+use ptm_suite::protocol::frame::{Frame, Samples, View, ViewKind};
+use ptm_suite::{cases::Built, compare::Expected};
 
 /// Maximum number of samples in a map with a preview. Larger maps have no preview.
 const MAX_SAMPLES: usize = 24 << 10;

@@ -97,8 +97,8 @@ fn describe_fault(scene: &LitScene) -> &'static str {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::protocol::frame::ViewKind;
-    use crate::ptm::Format;
+    use ptm::Format;
+    use ptm_suite::protocol::frame::ViewKind;
 
     #[test]
     fn visible_faults_are_described() {

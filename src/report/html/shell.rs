@@ -5,7 +5,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
 use crate::session::outcome::Outcome;
-use crate::suite::address::published_url;
+use ptm_suite::address::published_url;
 
 /// Style sheet of the reports and of the site.
 pub const STYLE: &str = include_str!("style.css");

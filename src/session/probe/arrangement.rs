@@ -1,7 +1,7 @@
 //! Common mistakes in the order of samples.
 
-use crate::protocol::frame::{Frame, Samples};
-use crate::suite::compare::Expected;
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::frame::{Frame, Samples};
 
 use super::body::Interpretation;
 use super::message::{ProbeFault, fault};

@@ -1,8 +1,8 @@
 //! All possible interpretations of a malformed frame.
 
-use crate::protocol::forms;
-use crate::protocol::frame::{Samples, View, ViewKind};
-use crate::suite::compare::Expected;
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::forms;
+use ptm_suite::protocol::frame::{Samples, View, ViewKind};
 
 use super::message::{ProbeFault, Slots, fault};
 

@@ -3,12 +3,12 @@
 use std::ffi::OsString;
 use std::path::Path;
 
-use crate::protocol::frame::{Answer, View};
 use crate::runner::run::{Decoder, Reply, Request};
 use crate::runner::scratch::Scratch;
 use crate::runner::start::{check_program, is_script_name};
 use crate::runner::template::Template;
-use crate::suite::compare::Expected;
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::frame::{Answer, View};
 
 use super::message::{ProbeFault, fault};
 use super::repair::repair;

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::sync::LazyLock;
 
-use crate::kit::yaml::from_yaml;
+use ptm_suite::kit::yaml::from_yaml;
 
 /// An observation and a suggested fix.
 pub(in crate::session) type ProbeFault = (String, String);
@@ -12,9 +12,8 @@ pub(in crate::session) type ProbeFault = (String, String);
 /// Values of the slots of a message.
 pub(super) type Slots<'a> = [(&'static str, &'a dyn Display)];
 
-static TEMPLATES: LazyLock<BTreeMap<String, BTreeMap<String, String>>> = LazyLock::new(|| {
-    from_yaml(include_str!("../../../spec-cases/probe.yaml")).expect("a test reads them")
-});
+static TEMPLATES: LazyLock<BTreeMap<String, BTreeMap<String, String>>> =
+    LazyLock::new(|| from_yaml(ptm_spec_cases::PROBE).expect("a test reads them"));
 
 /// Returns the message named `name` with its slots filled in.
 pub(super) fn fault(name: &str, slots: &Slots) -> ProbeFault {

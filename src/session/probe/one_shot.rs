@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::protocol::frame::{Answer, View};
-use crate::ptm::Format;
 use crate::runner::run::Reply;
-use crate::suite::cases::TableSpelling;
+use ptm::Format;
+use ptm_suite::cases::TableSpelling;
+use ptm_suite::protocol::frame::{Answer, View};
 
 use super::calls::Calls;
 use super::checklist::{Checklist, Reproduction};

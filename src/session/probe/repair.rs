@@ -1,7 +1,7 @@
 //! Repairs an answer: undoes known mistakes of wrappers until the image is correct.
 
-use crate::protocol::frame::{Frame, View};
-use crate::suite::compare::Expected;
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::frame::{Frame, View};
 
 use super::message::{ProbeFault, fault, join_texts};
 use super::{arrangement::arrangements, body::interpret_frame};

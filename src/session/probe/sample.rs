@@ -2,10 +2,10 @@
 
 use std::fmt::Display;
 
-use crate::generate::{Model, Recipe, write};
-use crate::protocol::frame::{Frame, View};
-use crate::ptm::{Format, Size};
-use crate::suite::{cases::TableSpelling, compare::Expected, values::Values};
+use ptm::{Format, Size};
+use ptm_generate::{Model, Recipe, write};
+use ptm_suite::protocol::frame::{Frame, View};
+use ptm_suite::{cases::TableSpelling, compare::Expected, values::Values};
 
 use super::checklist::Reproduction;
 

@@ -9,10 +9,10 @@ use std::path::{Path, PathBuf};
 use std::process::Stdio;
 use std::time::Instant;
 
-use crate::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit, View};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::run::AttemptKind;
 use crate::runner::scratch::Workspace;
+use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit, View};
 
 use super::calls::Calls;
 use super::checklist::{Checklist, ProbeRequest, Reproduction};

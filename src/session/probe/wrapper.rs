@@ -7,13 +7,13 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 
-use crate::kit::parallel::map_in_parallel;
-use crate::protocol::frame::{Answer, View};
 use crate::runner::run::{Decoder, Reply};
 use crate::runner::scratch::Scratch;
 use crate::session::contact::{Contact, FirstReply};
 use crate::session::plan::RunPlan;
-use crate::suite::cases::{Case, Expect, Suite};
+use ptm_suite::cases::{Case, Expect, Suite};
+use ptm_suite::kit::parallel::map_in_parallel;
+use ptm_suite::protocol::frame::{Answer, View};
 
 use super::calls::Calls;
 use super::checklist::{ProbeStep, Reproduction};

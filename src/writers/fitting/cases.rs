@@ -4,18 +4,18 @@ use std::collections::BTreeMap;
 
 use crate::diagnose::Diagnosis;
 use crate::diagnose::cover::{CoverCandidate, cover};
-use crate::misreadings::Misreading;
-use crate::ptm::Format;
 use crate::runner::write::Attachment;
 use crate::session::{outcome::Outcome, run::Run};
-use crate::suite::cases::{Expect, Suite};
-use crate::suite::name::SuiteName;
 use crate::writers::diagnose::{describe, describe_differences};
 use crate::writers::fitting::mistakes::{MISTAKES, WrongMap};
 use crate::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
 use crate::writers::fitting::sets::{SETS, SetPlan};
 use crate::writers::test_case::{BuiltRequest, FileCase, RequestValues, wrong_file};
 use crate::writers::{fault::WriterFault, fitting::judge::judge};
+use ptm::Format;
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::{Expect, Suite};
+use ptm_suite::name::SuiteName;
 
 /// A set of photographs to which a map in a given format is fitted.
 pub type FitCase = FileCase<ImageSource>;
@@ -29,31 +29,29 @@ pub enum ImageSource {
     Provided(ImageSet),
 }
 
-impl Suite<FitCase> {
-    /// Creates a suite with the generated photographs and, optionally, the user's photographs.
-    pub(crate) fn load_fitter_requests(user_set: Option<&ImageSet>) -> Suite<FitCase> {
-        let generated = SETS.iter().map(ImageSource::Generated);
-        let sources = generated.chain(user_set.cloned().map(ImageSource::Provided));
-        let cases = sources.flat_map(|source| {
-            const OWN: &str = "The request contains the images that the --lp file lists.";
-            let (name, because, clause) = match &source {
-                ImageSource::Generated(plan) => (&*plan.name, &*plan.because, &*plan.clause),
-                ImageSource::Provided(_) => ("own", OWN, "1.0/1"),
-            };
-            FORMATS.map(|format| FitCase {
-                id: format!("fit-{}-{name}", format.short_name().to_lowercase()),
-                because: because.to_owned(),
-                clauses: vec![clause.to_owned()],
-                expect: Expect::Decode,
-                first: name == SETS[0].name,
-                smoke: true,
-                format,
-                values: source.clone(),
-            })
-        });
-        let cases = cases.collect();
-        Suite { cases }
-    }
+/// Creates a suite with the generated photographs and, optionally, the user's photographs.
+pub fn load_fitter_requests(user_set: Option<&ImageSet>) -> Suite<FitCase> {
+    let generated = SETS.iter().map(ImageSource::Generated);
+    let sources = generated.chain(user_set.cloned().map(ImageSource::Provided));
+    let cases = sources.flat_map(|source| {
+        const OWN: &str = "The request contains the images that the --lp file lists.";
+        let (name, because, clause) = match &source {
+            ImageSource::Generated(plan) => (&*plan.name, &*plan.because, &*plan.clause),
+            ImageSource::Provided(_) => ("own", OWN, "1.0/1"),
+        };
+        FORMATS.map(|format| FitCase {
+            id: format!("fit-{}-{name}", format.short_name().to_lowercase()),
+            because: because.to_owned(),
+            clauses: vec![clause.to_owned()],
+            expect: Expect::Decode,
+            first: name == SETS[0].name,
+            smoke: true,
+            format,
+            values: source.clone(),
+        })
+    });
+    let cases = cases.collect();
+    Suite { cases }
 }
 
 impl ImageSource {
@@ -73,7 +71,7 @@ impl RequestValues for ImageSource {
     const EXPECTED: &'static str = "a map that fits the images";
 
     fn suite() -> Result<Suite<FitCase>, String> {
-        Ok(Suite::load_fitter_requests(None))
+        Ok(load_fitter_requests(None))
     }
 
     fn build(&self, format: Format) -> BuiltRequest<ImageSet> {

@@ -3,11 +3,11 @@
 //! Under each light, the root-mean-square error is compared with the error of the least-squares optimum, quantized to the same
 //! format. A tolerance allows for different rounding, and for fits that are better under one light and worse under another.
 
-use crate::decode::decode;
-use crate::ptm::Format;
 use crate::writers::fitting::{photographs::ImageSet, polynomials::Polynomials};
 use crate::writers::judge::{check_lint, compare_map, refusal};
 use crate::writers::{fault::WriterFault, fitting::optimum::optimum};
+use ptm::Format;
+use ptm::decode::decode;
 
 /// Tolerance for the error: a factor, and an additional number of 8-bit levels.
 const FIT_TOLERANCE: (f64, f64) = (1.25, 1.0);

@@ -8,14 +8,14 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
-use crate::decode::decode;
-use crate::kit::yaml::from_yaml;
-use crate::ptm::{Format, Ptm, Shape};
 use crate::writers::fitting::optimum::{FittedMap, directions};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, root_mean_square};
 use crate::writers::fitting::{algebra::LeastSquares, judge::max_error};
 use crate::writers::judge::compare_map;
+use ptm::decode::decode;
+use ptm::{Format, Ptm, Shape};
+use ptm_suite::kit::yaml::from_yaml;
 
 /// Mistake of a fitter, as defined in `spec-cases/writers/fitting-mistakes.yaml`.
 #[derive(Deserialize)]
@@ -32,7 +32,7 @@ pub(super) struct FitMistake {
 
 /// All known mistakes. If several explain the same number of failures, the first is reported.
 pub(super) static MISTAKES: LazyLock<Vec<FitMistake>> = LazyLock::new(|| {
-    let yaml = include_str!("../../../spec-cases/writers/fitting-mistakes.yaml");
+    let yaml = ptm_spec_cases::writers::FITTING_MISTAKES;
     from_yaml(yaml).expect("a list of mistakes")
 });
 

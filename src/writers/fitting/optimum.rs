@@ -5,12 +5,12 @@
 //!   channels, one row per light, are projected onto the color direction with the largest sum of squares.
 //! - Each scale and bias applies to the whole map and is chosen for the range of one coefficient over all texels.
 
-use crate::evaluate::polynomial;
-use crate::ptm::{Format, Ptm, ScaleBias};
 use crate::writers::fitting::algebra::{LeastSquares, eigensystem};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::fitting::polynomials::{Polynomials, multiply_by_color};
 use crate::writers::request::new_map;
+use ptm::evaluate::polynomial;
+use ptm::{Format, Ptm, ScaleBias};
 
 /// Best polynomials before quantization to bytes.
 #[derive(Clone, Debug)]

@@ -7,8 +7,8 @@ use std::path::Path;
 use image::{ImageError, ImageFormat, ImageReader};
 use serde::{Deserialize, Serialize};
 
-use crate::ptm::{Format, Size};
-use crate::tools::render::{encode_image, rgb};
+use ptm::{Format, Size};
+use ptm_files::render::{encode_image, rgb};
 
 /// Formats that are requested from fitters.
 pub const FORMATS: [Format; 2] = [Format::Lrgb, Format::Rgb];

@@ -1,8 +1,8 @@
 //! Uniform representation of maps for evaluation: three polynomials per texel.
 
-use crate::evaluate::{clamp, modulate, polynomial};
-use crate::ptm::{Ptm, Shape};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
+use ptm::evaluate::{clamp, modulate, polynomial};
+use ptm::{Ptm, Shape};
 
 /// Final coefficients of red, green and blue for each texel, top row first. For LRGB, each polynomial is the luminance polynomial
 /// multiplied by the color.

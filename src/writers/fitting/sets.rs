@@ -4,11 +4,11 @@ use std::sync::LazyLock;
 
 use serde::Deserialize;
 
-use crate::generate::{Model, Recipe};
-use crate::kit::yaml::from_yaml;
-use crate::ptm::{Format, Ptm, ScaleBias, Size};
 use crate::writers::fitting::photographs::{ImageSet, Photograph};
 use crate::writers::{fitting::polynomials::Polynomials, request::new_map};
+use ptm::{Format, Ptm, ScaleBias, Size};
+use ptm_generate::{Model, Recipe};
+use ptm_suite::kit::yaml::from_yaml;
 
 /// Parameters of a generated set of photographs, as defined in `spec-cases/writers/fitting-sets.yaml`.
 #[derive(Clone, Debug, Deserialize)]
@@ -54,7 +54,7 @@ impl Default for SetPlan {
 
 /// All sets. The first one is used for first contact with a fitter.
 pub static SETS: LazyLock<Vec<SetPlan>> = LazyLock::new(|| {
-    let yaml = include_str!("../../../spec-cases/writers/fitting-sets.yaml");
+    let yaml = ptm_spec_cases::writers::FITTING_SETS;
     from_yaml(yaml).expect("a list of sets")
 });
 

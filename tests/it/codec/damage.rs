@@ -1,6 +1,6 @@
 //! Tests damaged streams. The decoders must refuse them or return the requested number of samples.
 
-use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
+use ptm::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
 
 use crate::random::Rng;
 

@@ -4,7 +4,7 @@
 //! sixty-four 01 bytes) and names of parts of the smallest stream. A stream may end early if the rest does not matter. A result
 //! is an error, or samples that are repeated to fill the image.
 
-use ptm_conform::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
+use ptm::codec::{StreamError, StreamFault, jpeg, jpeg_ls};
 
 use crate::table::rows;
 

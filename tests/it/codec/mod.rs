@@ -1,5 +1,3 @@
-#[cfg(feature = "generate")]
 mod damage;
 mod errors;
-#[cfg(feature = "harness")]
 mod witnesses;

@@ -9,9 +9,9 @@
     reason = "the formulas are written as in the script"
 )]
 
-use ptm_conform::codec::jpeg_ls::PresetParameters;
-use ptm_conform::codec::{EncodedImage, jpeg, jpeg_ls};
-use ptm_conform::kit::digest::sha256;
+use ptm::codec::jpeg_ls::PresetParameters;
+use ptm::codec::{EncodedImage, jpeg, jpeg_ls};
+use ptm_suite::kit::digest::sha256;
 
 use crate::random::Rng;
 

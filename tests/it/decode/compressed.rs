@@ -1,13 +1,13 @@
 //! Tests properties of the cases for §2.9.
 
-use ptm_conform::Reading;
-use ptm_conform::generate::{Model, plan::Residuals};
-use ptm_conform::protocol::frame::View;
-use ptm_conform::ptm::{Coding, Limits};
-use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
-use ptm_conform::suite::choices::CHOICES;
-use ptm_conform::suite::dialect::{Axis, Dialect};
-use ptm_conform::suite::values::Values;
+use ptm::Reading;
+use ptm::{Coding, Limits};
+use ptm_generate::{Model, plan::Residuals};
+use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::choices::CHOICES;
+use ptm_suite::dialect::{Axis, Dialect};
+use ptm_suite::protocol::frame::View;
+use ptm_suite::values::Values;
 
 /// Returns the small compressed cases that the generator writes undamaged, with their models.
 fn generated_cases() -> Vec<(Case, Model)> {
@@ -96,7 +96,7 @@ fn choices_that_a_case_does_not_show_have_no_effect() {
         let file = &case.build(TableSpelling::default()).file;
         let planes = |dialect: &Dialect| {
             let reading = CHOICES.apply(dialect, Reading::SPEC);
-            ptm_conform::decode_as(file, &reading, &Limits::default()).map(|ptm| ptm.planes)
+            ptm::decode_as(file, &reading, &Limits::default()).map(|ptm| ptm.planes)
         };
         for dialect in CHOICES.combinations(&shown) {
             let expected = planes(&dialect);
@@ -125,7 +125,7 @@ fn choices_that_a_case_shows_have_an_effect() {
         let file = &case.build(TableSpelling::default()).file;
         let planes = |dialect: &Dialect| {
             let reading = CHOICES.apply(dialect, Reading::SPEC);
-            ptm_conform::decode_as(file, &reading, &Limits::default()).map(|ptm| ptm.planes)
+            ptm::decode_as(file, &reading, &Limits::default()).map(|ptm| ptm.planes)
         };
         for &axis in shown.iter().filter(|_| is_listed) {
             let others: Vec<Axis> = shown

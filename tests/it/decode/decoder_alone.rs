@@ -4,9 +4,9 @@
 
 use std::path::PathBuf;
 
-use ptm_conform::decode::open;
-use ptm_conform::error::Class;
-use ptm_conform::{Ptm, decode};
+use ptm::decode::open;
+use ptm::error::Class;
+use ptm::{Ptm, decode};
 
 /// A manifest entry. The manifest is parsed line by line.
 #[derive(Default)]

@@ -1,7 +1,7 @@
 //! Tests every error with a witness: the smallest file that causes the error, and the message.
 
-use ptm_conform::error::Class;
-use ptm_conform::{Limits, Reading, decode, decode_as};
+use ptm::error::Class;
+use ptm::{Limits, Reading, decode, decode_as};
 
 use crate::table::rows;
 

@@ -1,7 +1,7 @@
 //! Tests that no file makes the decoder panic: the decoder either decodes the file or returns a clear error.
 
-use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
-use ptm_conform::{Limits, Reading, decode, decode_as};
+use ptm::{Limits, Reading, decode, decode_as};
+use ptm_suite::cases::{Case, Suite, TableSpelling};
 
 use crate::random::Rng;
 
@@ -22,7 +22,7 @@ fn files() -> Vec<Vec<u8>> {
 
 /// Returns the length of the header in bytes.
 fn header_length(file: &[u8]) -> usize {
-    let (fields, _) = ptm_conform::decode::fields(file);
+    let (fields, _) = ptm::decode::fields(file);
     let payload = fields
         .iter()
         .find(|field| matches!(field.clause, "2.5/3" | "2.7/1" | "2.9.8/2"));

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::PathBuf;
 
-use ptm_conform::Ptm;
-use ptm_conform::kit::digest::sha256;
+use ptm::Ptm;
+use ptm_suite::kit::digest::sha256;
 
 use crate::skip::skip;
 
@@ -15,7 +15,7 @@ fn read_real_file() -> Option<(PathBuf, Ptm)> {
         skip("../shared/data/ptmfitter-8x5");
         return None;
     };
-    let ptm = ptm_conform::decode(&file).expect("a real file decodes");
+    let ptm = ptm::decode(&file).expect("a real file decodes");
     Some((folder.into(), ptm))
 }
 

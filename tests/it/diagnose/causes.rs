@@ -2,19 +2,19 @@
 
 use std::collections::HashMap;
 
-use ptm_conform::Reading;
-use ptm_conform::decode::Alternative;
+use ptm::Format;
+use ptm::Reading;
+use ptm::decode::Alternative;
 use ptm_conform::diagnose::{
     Cause, Diagnosis, assume, can_affect_file, can_combine, diagnose, diagnose_among,
 };
-use ptm_conform::formula::Edit;
-use ptm_conform::misreadings::{self, Hook, Misreading};
-use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
-use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::Request;
 use ptm_conform::session::{outcome::Outcome, run::Run};
 use ptm_conform::strength::matrix::run_with_mistakes;
-use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_mistakes::formula::Edit;
+use ptm_mistakes::{Hook, Misreading};
+use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::protocol::frame::{Answer, Frame, Samples, ViewKind};
 
 use crate::in_process::{
     answer_with, formula_misreading, jobs, misreading, reference_answer, run_all, suite,
@@ -108,7 +108,7 @@ fn panic_in_the_search_loses_only_one_cause() {
         step: Hook::Planes(|_| panic!("index 3 of 2")),
         ..formula_misreading(Vec::new())
     }));
-    let catalog: Vec<&Misreading> = misreadings::all().chain([panics]).collect();
+    let catalog: Vec<&Misreading> = ptm_mistakes::all().chain([panics]).collect();
     let causes = diagnose_among(&catalog, &suite, &run, &[], 1);
     assert_eq!(causes.faults, ["index 3 of 2"]);
     let causes = causes.diagnoses.into_iter();
@@ -321,7 +321,7 @@ fn check_every_misreading(
     run: impl Fn(&'static Misreading) -> Run,
 ) {
     let (mut wrong, mut count) = (Vec::new(), 0);
-    let all = misreadings::all().filter(|one| !hidden.split(' ').any(|slug| slug == one.slug));
+    let all = ptm_mistakes::all().filter(|one| !hidden.split(' ').any(|slug| slug == one.slug));
     for mistake in all.skip(first).step_by(step) {
         count += 1;
         let run = run(mistake);
@@ -352,7 +352,7 @@ fn check_with_line_feed_after_tables(first: usize, step: usize) {
     let reading = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);
     let run = |mistake| {
         run_all(&suite, |request| {
-            misreadings::answer(&[mistake], reading, request.file, request.view)
+            ptm_mistakes::answer(&[mistake], reading, request.file, request.view)
         })
     };
     check_every_misreading((first, step), &suite, HIDDEN_BY_LINE_FEED, run);
@@ -382,7 +382,7 @@ fn every_misreading_is_named_with_line_feed_after_tables() {
 
 /// Generates the same pseudorandom sets of compatible misreadings on every platform.
 fn random_sets(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
-    let all: Vec<&'static Misreading> = misreadings::all().collect();
+    let all: Vec<&'static Misreading> = ptm_mistakes::all().collect();
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
     let mut draw = || {
         state ^= state << 13;
@@ -407,7 +407,7 @@ fn random_sets(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
 /// Returns true if each mistake in the set changes at least one answer of a decoder that makes the other mistakes.
 fn all_have_an_effect(suite: &Suite, set: &[&'static Misreading]) -> bool {
     let answer = |set: &[&Misreading], file: &[u8], view| {
-        misreadings::answer(set, Reading::SPEC, file, view)
+        ptm_mistakes::answer(set, Reading::SPEC, file, view)
     };
     set.iter().all(|member| {
         let others = set.iter().filter(|other| other.slug != member.slug);

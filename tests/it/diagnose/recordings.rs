@@ -8,14 +8,14 @@ use std::collections::HashMap;
 use crate::in_process::{reference_answer, suite};
 use crate::recordings::{digest, folder, recorded_answers};
 use ptm_conform::diagnose::{Cause, diagnose, diagnose_among};
-use ptm_conform::kit::yaml;
-use ptm_conform::misreadings::{self, Misreading};
-use ptm_conform::protocol::frame::Answer;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, check};
-use ptm_conform::suite::cases::{Case, Suite, TableSpelling};
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::kit::yaml;
+use ptm_suite::protocol::frame::Answer;
 use serde::Deserialize;
 
 /// A decoder, with statements that must and must not be made about it.
@@ -221,8 +221,8 @@ fn decisions_do_not_depend_on_texts() {
     for case in &mut with_ids.cases {
         case.because.clone_from(&case.id);
     }
-    let catalog: Vec<&Misreading> = misreadings::all().collect();
-    let catalog_with_ids = misreadings::all().map(|one| -> &Misreading {
+    let catalog: Vec<&Misreading> = ptm_mistakes::all().collect();
+    let catalog_with_ids = ptm_mistakes::all().map(|one| -> &Misreading {
         Box::leak(Box::new(Misreading {
             effect: one.slug,
             fix: one.slug,

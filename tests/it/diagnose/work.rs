@@ -1,10 +1,9 @@
 //! Tests that the search for causes does a bounded amount of work for any decoder.
 
-use ptm_conform::Reading;
+use ptm::Reading;
 use ptm_conform::diagnose::{Cause, diagnose};
-use ptm_conform::misreadings;
-use ptm_conform::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use ptm_conform::runner::run::Request;
+use ptm_suite::protocol::frame::{Answer, Frame, Samples, ViewKind};
 
 use crate::in_process::{answer_with, misreading, reference_answer, run_all, suite_of_small_files};
 
@@ -55,7 +54,7 @@ fn with_sizes_truncated_to_bytes(request: &Request) -> Answer {
         let low = format!("{:>1$}", size % 256, token.len());
         file[at..at + token.len()].copy_from_slice(low.as_bytes());
     }
-    misreadings::answer(&[], Reading::SPEC, &file, request.view)
+    ptm_mistakes::answer(&[], Reading::SPEC, &file, request.view)
 }
 
 #[test]

@@ -1,10 +1,10 @@
 //! Tests that every formula in `formulas.yaml` equals its counterpart in the reference decoder on every case of the suite.
 
-use ptm_conform::Reading;
-use ptm_conform::formula::{Edit, EditedForm, Formula};
-use ptm_conform::misreadings::{self, Misreading};
-use ptm_conform::protocol::frame::{Answer, Samples};
-use ptm_conform::suite::cases::{Suite, TableSpelling};
+use ptm::Reading;
+use ptm_mistakes::Misreading;
+use ptm_mistakes::formula::{Edit, EditedForm, Formula};
+use ptm_suite::cases::{Suite, TableSpelling};
+use ptm_suite::protocol::frame::{Answer, Samples};
 
 use crate::in_process::formula_misreading;
 
@@ -50,12 +50,12 @@ fn each_formula_equals_the_function_of_the_reference() {
     for case in &suite.cases {
         let built = case.build(TableSpelling::default());
         for view in &case.views {
-            let right = misreadings::answer(&[], Reading::SPEC, &built.file, view);
+            let right = ptm_mistakes::answer(&[], Reading::SPEC, &built.file, view);
             if sample_count(&right) > MAX_SAMPLES {
                 continue;
             }
             for (i, (name, decoder)) in single.iter().chain([&all]).enumerate() {
-                let answer = misreadings::answer(&[decoder], Reading::SPEC, &built.file, view);
+                let answer = ptm_mistakes::answer(&[decoder], Reading::SPEC, &built.file, view);
                 assert!(
                     is_equal(&answer, &right),
                     "{name} differs in {} {view}",

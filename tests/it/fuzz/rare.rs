@@ -5,17 +5,17 @@ use std::sync::atomic::Ordering;
 
 use arbitrary::Unstructured;
 use proptest::prelude::*;
+use ptm::Format;
+use ptm::{Reading, decode};
 use ptm_conform::diagnose::can_affect_file;
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
 use ptm_conform::fuzz::{draft::Draft, generator::DraftGenerator};
-use ptm_conform::misreadings::{self, Misreading};
-use ptm_conform::protocol::capabilities::Capabilities;
-use ptm_conform::protocol::frame::{Answer, Frame, View};
-use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::{Reply, Request};
-use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
-use ptm_conform::suite::{compare::Expected, values::Values};
-use ptm_conform::{Reading, decode};
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::{Case, Expect, TableSpelling};
+use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::protocol::frame::{Answer, Frame, View};
+use ptm_suite::{compare::Expected, values::Values};
 
 use crate::in_process::{answer_with, misreading, suite};
 
@@ -85,13 +85,13 @@ impl Question {
     fn new(case: &Case) -> Question {
         let file = case.build(TableSpelling::default()).file.clone();
         let view = case.views[0].clone();
-        let right = misreadings::answer(&[], Reading::SPEC, &file, &view);
+        let right = ptm_mistakes::answer(&[], Reading::SPEC, &file, &view);
         Question { file, view, right }
     }
 
     fn reveals(&self, mistake: &Misreading) -> bool {
         can_affect_file(mistake, &self.file)
-            && misreadings::answer(&[mistake], Reading::SPEC, &self.file, &self.view) != self.right
+            && ptm_mistakes::answer(&[mistake], Reading::SPEC, &self.file, &self.view) != self.right
     }
 }
 

@@ -4,11 +4,11 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::Path;
 
-use ptm_conform::misreadings::{self, Hook};
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::strength::matrix::{MatrixRow, matrix, run_with_mistakes};
-use ptm_conform::suite::cases::{Case, Suite};
-use ptm_conform::suite::clauses::{self, ClauseStatus, RulingKind};
+use ptm_mistakes::Hook;
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::clauses::{self, ClauseStatus, RulingKind};
 
 use crate::in_process::{jobs, suite, suite_of_small_files};
 use crate::table::rows;
@@ -41,9 +41,9 @@ fn is_small(case: &Case) -> bool {
         .is_none_or(|recipe| recipe.size.width <= 4 && recipe.size.height <= 4)
 }
 
-/// Returns the slugs of the functions in these files of `src/misreadings`, in source order.
+/// Returns the slugs of the functions in these files of `crates/ptm-mistakes/src`, in source order.
 fn slugs_with_functions(files: &[&str]) -> Vec<String> {
-    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/misreadings");
+    let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("crates/ptm-mistakes/src");
     let text = |file: &&str| fs::read_to_string(directory.join(file)).expect("a source file");
     let lines = files.iter().map(text).collect::<String>();
     let arms = lines.lines().filter_map(|line| {
@@ -55,7 +55,7 @@ fn slugs_with_functions(files: &[&str]) -> Vec<String> {
 
 #[test]
 fn functions_are_in_the_order_of_the_catalog() {
-    let functions = misreadings::behaviors().filter(|one| !matches!(one.step, Hook::Edits(_)));
+    let functions = ptm_mistakes::behaviors().filter(|one| !matches!(one.step, Hook::Edits(_)));
     let slugs: Vec<&str> = functions.map(|one| one.slug).collect();
     let sections = [
         "header.rs",
@@ -72,7 +72,7 @@ fn functions_are_in_the_order_of_the_catalog() {
         "codecs.rs",
     ];
     assert_eq!(slugs_with_functions(&sections), slugs);
-    let texture: Vec<&str> = misreadings::texture::all().map(|one| one.slug).collect();
+    let texture: Vec<&str> = ptm_mistakes::texture::all().map(|one| one.slug).collect();
     assert_eq!(slugs_with_functions(&["texture.rs"]), texture);
 }
 
@@ -150,7 +150,7 @@ fn every_clause_is_tested_or_has_a_reason() {
     for clause in &clauses {
         let id = &clause.id;
         let has_case = suite.cases.iter().any(|case| case.clauses.contains(id));
-        let has_misreading = misreadings::all().any(|misreading| misreading.clause == id);
+        let has_misreading = ptm_mistakes::all().any(|misreading| misreading.clause == id);
         let is_covered = match clause.status {
             ClauseStatus::Tested => has_case && has_misreading,
             ClauseStatus::Ruled => {
@@ -189,7 +189,7 @@ fn every_referenced_id_exists() {
         assert!(are_known(&ruling.clauses), "{}", ruling.id);
     }
     let mut slugs = HashSet::new();
-    for misreading in misreadings::all() {
+    for misreading in ptm_mistakes::all() {
         assert!(
             slugs.insert(misreading.slug),
             "duplicate {}",

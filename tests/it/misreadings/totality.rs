@@ -4,12 +4,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use ptm_conform::Reading;
-use ptm_conform::decode::fields;
+use ptm::Reading;
+use ptm::decode::fields;
 use ptm_conform::fuzz::generator;
-use ptm_conform::misreadings::{self, Misreading, answer};
-use ptm_conform::protocol::frame::View;
-use ptm_conform::suite::cases::{Suite, TableSpelling};
+use ptm_mistakes::{Misreading, answer};
+use ptm_suite::cases::{Suite, TableSpelling};
+use ptm_suite::protocol::frame::View;
 
 use crate::in_process::jobs;
 use crate::random::Rng;
@@ -104,7 +104,7 @@ fn views() -> [View; 3] {
 #[test]
 fn any_two_misreadings_terminate() {
     let files = suite_files(&mut Rng(0x9e37_79b9));
-    let all: Vec<&Misreading> = misreadings::all().collect();
+    let all: Vec<&Misreading> = ptm_mistakes::all().collect();
     let views = views();
     // Every ordered pair, each on a different file.
     run_trials(all.len() * all.len(), |i| {
@@ -119,7 +119,7 @@ fn any_two_misreadings_terminate() {
 fn any_two_misreadings_terminate_on_random_files() {
     let suite = Suite::load().expect("the suite loads");
     let drafts = generator::DraftGenerator::new(&suite);
-    let all: Vec<&Misreading> = misreadings::all().collect();
+    let all: Vec<&Misreading> = ptm_mistakes::all().collect();
     let views = views();
     let trials = AtomicUsize::new(0);
     run_trials(10_000, |number| {

@@ -1,6 +1,6 @@
 //! The packages for other languages.
 
-#![cfg(all(unix, feature = "cli"))]
+#![cfg(unix)]
 
 mod node;
 mod python;

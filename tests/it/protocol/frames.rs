@@ -4,10 +4,10 @@ use std::io::Cursor;
 
 use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder, ImageFormat, write_buffer_with_format};
-use ptm_conform::protocol::forms::read;
-use ptm_conform::protocol::frame::{Frame, Samples, View, ViewKind};
-use ptm_conform::suite::cases::{Suite, TableSpelling};
-use ptm_conform::suite::compare::{Expected, LOSSY_TOLERANCE};
+use ptm_suite::cases::{Suite, TableSpelling};
+use ptm_suite::compare::{Expected, LOSSY_TOLERANCE};
+use ptm_suite::protocol::forms::read;
+use ptm_suite::protocol::frame::{Frame, Samples, View, ViewKind};
 
 use crate::table::rows;
 

@@ -1,3 +1,3 @@
-#![cfg(all(unix, feature = "cli"))]
+#![cfg(unix)]
 
 mod frames;

@@ -1,5 +1,5 @@
 //! Tests of reader profiles and of the predictions based on them.
 
-#![cfg(all(unix, feature = "cli"))]
+#![cfg(unix)]
 
 mod predictions;

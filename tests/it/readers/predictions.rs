@@ -5,13 +5,13 @@ use std::collections::BTreeMap;
 use crate::in_process::suite;
 use crate::recordings::{digest, recorded_answers};
 use crate::table::rows;
-use ptm_conform::protocol::frame::Answer;
-use ptm_conform::ptm::Format;
-use ptm_conform::readers::{OpenedFile, ReaderProfile, Rendering, parse_profiles, profiles};
-use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
-use ptm_conform::suite::compare::Expected;
-use ptm_conform::tools::{convert_for::convert_for, dissection::Dissection};
-use ptm_conform::{decode, misreadings};
+use ptm::Format;
+use ptm::decode;
+use ptm_files::readers::{OpenedFile, ReaderProfile, Rendering, parse_profiles, profiles};
+use ptm_files::{convert_for::convert_for, dissection::Dissection};
+use ptm_suite::cases::{Case, Expect, TableSpelling};
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::frame::Answer;
 
 fn reader(name: &str) -> &'static ReaderProfile {
     let found = profiles().iter().find(|profile| profile.name == name);
@@ -27,7 +27,7 @@ fn readers_have_unique_names_and_misreadings_of_the_catalog() {
     assert_eq!(names.len(), 24);
     let slugs = profiles().iter().flat_map(|profile| &profile.misreadings);
     for known in slugs {
-        assert!(misreadings::find(&known.slug).is_some(), "{}", known.slug);
+        assert!(ptm_mistakes::find(&known.slug).is_some(), "{}", known.slug);
     }
 }
 
@@ -196,7 +196,7 @@ fn files_converted_for_a_reader_keep_the_map() {
 
 /// Asserts that two maps have equal colors under six lights and, if they have the same shape, equal final coefficients.
 #[track_caller]
-fn assert_same_map(a: &ptm_conform::Ptm, b: &ptm_conform::Ptm, id: &str) {
+fn assert_same_map(a: &ptm::Ptm, b: &ptm::Ptm, id: &str) {
     let (a, b) = (a.coefficients(), b.coefficients());
     if a.shape == b.shape {
         assert_eq!(a.values, b.values, "{id}");

@@ -9,10 +9,10 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flate2::read::GzDecoder;
-use ptm_conform::kit::digest::sha256;
-use ptm_conform::protocol::frame::Frame;
 use ptm_conform::report::shards::RecordedAnswer;
 use ptm_conform::runner::run::AttemptKind;
+use ptm_suite::kit::digest::sha256;
+use ptm_suite::protocol::frame::Frame;
 use serde::de::DeserializeOwned;
 
 pub fn folder() -> PathBuf {

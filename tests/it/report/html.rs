@@ -8,17 +8,16 @@ use crate::common::{Workspace, have_python, rows, stdout};
 use crate::in_process::{answer_with, misreading, reference_answer, suite};
 use data_encoding::BASE64;
 use ptm_conform::diagnose::{Category, diagnose};
-use ptm_conform::misreadings;
-use ptm_conform::protocol::frame::{Answer, Samples, ViewKind};
 use ptm_conform::report::{Report, badge, github, html, junit};
 use ptm_conform::report::{reported::Reportable, suite_texts::SuiteTexts};
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::session::{lit_scene, outcome::Outcome, plan::RunPlan};
-use ptm_conform::suite::address::SITE;
-use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::{name::SuiteName, texture::test_case::TextureView, values::Values};
-use ptm_conform::texture::Rules;
+use ptm_suite::address::SITE;
+use ptm_suite::cases::Suite;
+use ptm_suite::protocol::frame::{Answer, Samples, ViewKind};
+use ptm_suite::{name::SuiteName, texture::test_case::TextureView, values::Values};
+use ptm_texture::Rules;
 
 /// Output of a hostile decoder.
 const HOSTILE: &str = "<script>document.title = 'owned'</script>\n<img src=x onerror=alert(1)> & \"quoted\" 'too'\n::error::x\n\u{1b}[31mred";
@@ -334,7 +333,7 @@ fn page_of_a_non_decoder_names_the_next_step() {
 fn page_of_a_texture_stage_contains_the_questions() {
     let suite = Suite::load_texture().expect("the texture suite");
     let plan = RunPlan::new(&suite, 2);
-    let mistake = misreadings::texture::all().next().expect("a misreading");
+    let mistake = ptm_mistakes::texture::all().next().expect("a misreading");
     let ask = |request: &Request<'_, TextureView>, _: usize| {
         let case = suite.case(request.name).expect("a case");
         Reply::from(case.answer(&mistake.apply_to(Rules::SPEC)))

@@ -4,12 +4,12 @@ use std::fs;
 use std::path::Path;
 
 use crate::common::repository;
-use ptm_conform::Reading;
-use ptm_conform::generate::spelling::Count;
-use ptm_conform::misreadings::{self, Misreading};
-use ptm_conform::protocol::frame::{Answer, View};
-use ptm_conform::ptm::Format;
+use ptm::Format;
+use ptm::Reading;
 use ptm_conform::session::lit_scene::{SIDE, file, frame_to_image};
+use ptm_generate::spelling::Count;
+use ptm_mistakes::Misreading;
+use ptm_suite::protocol::frame::{Answer, View};
 
 use crate::in_process::misreading;
 
@@ -32,7 +32,7 @@ fn readme_image_is_up_to_date() {
     let view: View = "rgb:-0.5,0.5".parse().expect("a view");
     let scenes = MISTAKES.map(|slug| {
         let mistakes: Vec<&Misreading> = slug.map(misreading).into_iter().collect();
-        let answer = misreadings::answer(&mistakes, Reading::SPEC, &file, &view);
+        let answer = ptm_mistakes::answer(&mistakes, Reading::SPEC, &file, &view);
         let Answer::Decoded(frame) = answer else {
             panic!("{slug:?}: no image")
         };

@@ -3,10 +3,8 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use ptm_conform::Reading;
-use ptm_conform::decode::Alternative;
-use ptm_conform::misreadings::answer;
-use ptm_conform::protocol::frame::Answer;
+use ptm::Reading;
+use ptm::decode::Alternative;
 use ptm_conform::report::reported::Reportable as _;
 use ptm_conform::report::shards::{
     AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
@@ -17,7 +15,9 @@ use ptm_conform::session::asking::DecoderFn;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::remark::Remark;
 use ptm_conform::session::run::{Run, Session};
-use ptm_conform::suite::cases::{Case, Suite};
+use ptm_mistakes::answer;
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::protocol::frame::Answer;
 
 use crate::common::{Workspace, zoo};
 use crate::in_process::{answer_with, misreading, reference_answer, suite_of_small_files};

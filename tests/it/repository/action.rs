@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::{Command, Output};
 
 use crate::common::{PROGRAM, Workspace, have_tool, outcome, repository, repository_text, stdout};
-use ptm_conform::kit::yaml::from_yaml;
+use ptm_suite::kit::yaml::from_yaml;
 use serde_json::Value;
 
 fn action() -> Value {

@@ -3,11 +3,10 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ptm_conform::misreadings;
 use ptm_conform::strength::smoke;
-use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::texture::cases as texture;
-use ptm_conform::tools::profiles::Profile;
+use ptm_files::profiles::Profile;
+use ptm_suite::cases::Suite;
+use ptm_suite::texture::cases as texture;
 
 use crate::common::repository_text;
 
@@ -32,7 +31,7 @@ fn with_commas(number: usize) -> String {
 #[test]
 fn counts_in_documents_equal_those_of_the_program() {
     let suite = Suite::load().expect("the suite loads");
-    let (cases, misreadings) = (with_commas(suite.cases.len()), misreadings::all().count());
+    let (cases, misreadings) = (with_commas(suite.cases.len()), ptm_mistakes::all().count());
     let smoke = smoke::ids().expect("the smoke subset").len();
     let stages = Suite::load_texture()
         .expect("the texture suite")

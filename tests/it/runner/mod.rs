@@ -1,4 +1,4 @@
-#![cfg(all(unix, feature = "cli"))]
+#![cfg(unix)]
 
 mod cmd;
 mod serve;

@@ -3,8 +3,8 @@
 use std::fs::{self, File};
 use std::process::Command;
 
-use ptm_conform::protocol::capabilities::Capabilities;
-use ptm_conform::ptm::Format;
+use ptm::Format;
+use ptm_suite::protocol::capabilities::Capabilities;
 
 use crate::common::{
     CheckRun, PROGRAM, Workspace, assert_conforms, assert_contains, check, have_tool,

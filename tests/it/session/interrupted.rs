@@ -7,12 +7,12 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant, SystemTime};
 
-use ptm_conform::kit::yaml::from_yaml;
 use ptm_conform::report::Report;
 use ptm_conform::runner::run::{Decoder, Request};
 use ptm_conform::runner::{scratch::Scratch, serve::Servers};
 use ptm_conform::session::{plan::RunPlan, run::check};
-use ptm_conform::suite::cases::{Case, Suite};
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::kit::yaml::from_yaml;
 use serde_json::Value;
 
 use crate::common::{

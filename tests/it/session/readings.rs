@@ -2,19 +2,19 @@
 
 use std::borrow::Cow;
 
-use ptm_conform::Reading;
-use ptm_conform::decode::Alternative;
-use ptm_conform::misreadings::{self, Hook};
-use ptm_conform::protocol::frame::{Answer, Samples};
-use ptm_conform::ptm::Size;
+use ptm::Reading;
+use ptm::Size;
+use ptm::decode::Alternative;
 use ptm_conform::report::Report;
 use ptm_conform::runner::run::Request;
 use ptm_conform::session::dialect::Certainty;
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::Run;
-use ptm_conform::suite::cases::{Case, Suite};
-use ptm_conform::suite::choices::CHOICES;
+use ptm_mistakes::Hook;
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::choices::CHOICES;
+use ptm_suite::protocol::frame::{Answer, Samples};
 
 use crate::in_process::{
     self, jobs, misreading, reference_answer, step_misreading, suite_of_small_files,
@@ -72,7 +72,7 @@ fn assert_fails(
 /// Returns a decoder that follows `reading` except for one step.
 fn with_step(reading: Reading, step: Hook) -> impl Fn(&Request) -> Answer + Sync {
     let mistake = step_misreading(step);
-    move |request| misreadings::answer(&[&mistake], reading, request.file, request.view)
+    move |request| ptm_mistakes::answer(&[&mistake], reading, request.file, request.view)
 }
 
 /// Returns a decoder that reads the file that `rewrite` returns, or refuses the file.
@@ -80,7 +80,7 @@ fn with_file<'a>(
     rewrite: impl Fn(&[u8]) -> Option<Vec<u8>> + Sync + 'a,
 ) -> impl Fn(&Request) -> Answer + Sync + 'a {
     move |request| match rewrite(request.file) {
-        Some(file) => misreadings::answer(&[], Reading::SPEC, &file, request.view),
+        Some(file) => ptm_mistakes::answer(&[], Reading::SPEC, &file, request.view),
         None => Answer::Rejected,
     }
 }
@@ -127,7 +127,7 @@ fn decoders_pass_under_each_listed_reading_and_the_reading_is_reported() {
     ] {
         let reading = Reading::SPEC.with_alternative(alternative);
         let run = assert_passes(&suite, &sections, |request| {
-            misreadings::answer(&[], reading, request.file, request.view)
+            ptm_mistakes::answer(&[], reading, request.file, request.view)
         });
         let axis = CHOICES.axes(&[ruling])[0];
         let taken = run.judgment.dialect.0[axis];
@@ -568,7 +568,7 @@ fn references_are_followed_with_or_without_ranks() {
     let without_offset = Reading::SPEC.with_alternative(Alternative::NoJpegLsOffset);
     assert_passes(&suite, &["2.9.4", "2.9.5"], |request| {
         let file = follows(request.file).expect("a file");
-        misreadings::answer(&[], without_offset, &file, request.view)
+        ptm_mistakes::answer(&[], without_offset, &file, request.view)
     });
     let missing_is_0 = |file: &[u8]| {
         Some(with_list(file, 3, |references, _| {

@@ -7,13 +7,13 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
-use ptm_conform::protocol::frame::{Answer, Samples, TimeLimit};
 use ptm_conform::report::Report;
 use ptm_conform::runner::run::{AttemptKind, Reply, Request};
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, check};
-use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::protocol::frame::{Answer, Samples, TimeLimit};
 
 use crate::common::{CheckRun, Workspace, assert_conforms, assert_contains, zoo};
 use crate::in_process::{self, reference_answer};

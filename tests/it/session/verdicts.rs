@@ -2,15 +2,15 @@
 
 use std::time::Duration;
 
-use ptm_conform::protocol::frame::{Answer, TimeLimit};
-use ptm_conform::ptm::Format;
+use ptm::Format;
 use ptm_conform::report::Report;
 use ptm_conform::report::{html, junit, suite_texts::SuiteTexts};
 use ptm_conform::runner::run::{AttemptKind, Reply, Request};
 use ptm_conform::session::outcome::{Outcome, ResponseKind, outcome};
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::run::{Run, check};
-use ptm_conform::suite::cases::{Case, Expect, Suite};
+use ptm_suite::cases::{Case, Expect, Suite};
+use ptm_suite::protocol::frame::{Answer, TimeLimit};
 
 use crate::common::repository_text;
 use crate::in_process::{self, reference_answer, suite};

@@ -3,7 +3,7 @@
 use ptm_conform::site::annotated::{Annotated, AnnotatedClause, CHAPTERS, FILES};
 use ptm_conform::site::build;
 use ptm_conform::site::example::{Decoding, execute, execute_all};
-use ptm_conform::suite::{clauses::clauses, name::SuiteName};
+use ptm_suite::{clauses::clauses, name::SuiteName};
 
 use crate::table::rows;
 

@@ -1,6 +1,6 @@
 //! Tests of the site: examples are correct, links are valid, and pages work in a browser.
 
-#![cfg(all(unix, feature = "cli"))]
+#![cfg(unix)]
 
 mod annotated;
 mod browser;

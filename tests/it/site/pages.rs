@@ -3,12 +3,11 @@
 use std::collections::{HashMap, HashSet};
 use std::sync::LazyLock;
 
-use ptm_conform::misreadings;
-use ptm_conform::readers::profiles;
 use ptm_conform::site::{SiteFile, readers::reader_runs};
-use ptm_conform::suite::texture::cases as texture;
-use ptm_conform::suite::{address, cases::Suite, clauses, name::SuiteName};
-use ptm_conform::tools::lint::codes;
+use ptm_files::lint::codes;
+use ptm_files::readers::profiles;
+use ptm_suite::texture::cases as texture;
+use ptm_suite::{address, cases::Suite, clauses, name::SuiteName};
 
 use super::SITE;
 
@@ -136,8 +135,9 @@ fn every_published_address_has_a_page() {
         let rulings = rulings.expect("the rulings").into_iter();
         addresses.extend(rulings.map(|ruling| suite.ruling_page(&ruling.id)));
     }
-    let slugs = misreadings::all().map(|one| ptm.misreading_page(one.slug));
-    let slugs = slugs.chain(misreadings::texture::all().map(|one| stage.misreading_page(one.slug)));
+    let slugs = ptm_mistakes::all().map(|one| ptm.misreading_page(one.slug));
+    let slugs =
+        slugs.chain(ptm_mistakes::texture::all().map(|one| stage.misreading_page(one.slug)));
     addresses.extend(slugs);
     addresses.extend(codes::ALL.iter().map(|code| address::code(code.id)));
     addresses.extend(profiles().iter().map(|one| address::reader(&one.reader)));

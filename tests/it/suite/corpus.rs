@@ -4,13 +4,13 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::PathBuf;
 
-use ptm_conform::generate::{Model, Recipe, write};
-use ptm_conform::kit::{digest::sha256, yaml::from_yaml};
-use ptm_conform::ptm::Format;
+use ptm::Format;
 use ptm_conform::report::reported::Reportable;
-use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
-use ptm_conform::suite::corpus::{self, ManifestEntry};
-use ptm_conform::suite::damages::damage_kinds;
+use ptm_generate::{Model, Recipe, write};
+use ptm_suite::cases::{Case, Expect, TableSpelling};
+use ptm_suite::corpus::{self, ManifestEntry};
+use ptm_suite::damages::damage_kinds;
+use ptm_suite::kit::{digest::sha256, yaml::from_yaml};
 
 use crate::in_process::suite;
 use crate::repository::tree;
@@ -94,7 +94,7 @@ fn published_ids_and_files_are_permanent() {
 fn the_decoder_accepts_and_refuses_as_expected() {
     for case in &suite().cases {
         let built = case.build(TableSpelling::default());
-        let decoded = ptm_conform::decode(&built.file);
+        let decoded = ptm::decode(&built.file);
         match case.expect {
             Expect::Reject | Expect::Refuse => assert!(decoded.is_err(), "{}", case.id),
             Expect::Decode => assert!(decoded.is_ok(), "{}: {decoded:?}", case.id),

@@ -1,9 +1,8 @@
 //! What rulings rest on, and what misreadings violate.
 
-use ptm_conform::misreadings;
-use ptm_conform::readers::profiles;
-use ptm_conform::suite::cases::Expect;
-use ptm_conform::suite::clauses::{self, Basis, Ruling, RulingKind};
+use ptm_files::readers::profiles;
+use ptm_suite::cases::Expect;
+use ptm_suite::clauses::{self, Basis, Ruling, RulingKind};
 
 use crate::in_process::suite;
 
@@ -70,7 +69,7 @@ fn files_without_a_value_may_be_refused_in_either_way() {
 #[test]
 fn every_misreading_states_what_it_violates() {
     let rulings = rulings();
-    for behavior in misreadings::behaviors() {
+    for behavior in ptm_mistakes::behaviors() {
         let slug = behavior.slug;
         let find = |id: &str| rulings.iter().find(|ruling| ruling.id == id);
         let Some(violated) = behavior.violates else {

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::PathBuf;
 
-use ptm_conform::kit::yaml::from_yaml;
+use ptm_suite::kit::yaml::from_yaml;
 
 use crate::common::{assert_conforms, repository, rows};
 

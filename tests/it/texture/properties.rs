@@ -3,9 +3,9 @@
 use proptest::prelude::*;
 use proptest::sample::select;
 
-use ptm_conform::evaluate::Coefficients;
-use ptm_conform::ptm::{Shape, Size};
-use ptm_conform::texture::{
+use ptm::evaluate::Coefficients;
+use ptm::{Shape, Size};
+use ptm_texture::{
     Boundary, Channel, ClampMethod, Color, Composition, Correction, Entry, Frequency,
     Interpolation, Level, LitPrimitive, MapValue, Matrix, Parameterization, Point,
     RenderingControl, Rounding, Rules, SampleMethod, Shade, Texel, TexelKind, TextureMap, compose,

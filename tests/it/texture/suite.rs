@@ -3,20 +3,20 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use ptm_conform::diagnose::{Cause, texture::diagnose};
-use ptm_conform::misreadings::texture as misreadings;
-use ptm_conform::protocol::frame::Answer;
 use ptm_conform::runner::run::Request;
 use ptm_conform::session::run::{Run, check};
 use ptm_conform::session::{outcome::Outcome, plan::RunPlan};
 use ptm_conform::strength::matrix::texture_matrix;
-use ptm_conform::suite::cases::Suite;
-use ptm_conform::suite::clauses::{ClauseStatus, Ruling, RulingKind};
-use ptm_conform::suite::test_case::TestCase;
-use ptm_conform::suite::texture::cases::{self, Basis, TextureCase};
-use ptm_conform::suite::texture::question::{OPERATIONS, Question, Refusal};
-use ptm_conform::suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
-use ptm_conform::suite::texture::{test_case::TextureView, verify::verify};
-use ptm_conform::texture::{Boundary, ClampMethod, RenderingControl, Rules};
+use ptm_mistakes::texture as misreadings;
+use ptm_suite::cases::Suite;
+use ptm_suite::clauses::{ClauseStatus, Ruling, RulingKind};
+use ptm_suite::protocol::frame::Answer;
+use ptm_suite::test_case::TestCase;
+use ptm_suite::texture::cases::{self, Basis, TextureCase};
+use ptm_suite::texture::question::{OPERATIONS, Question, Refusal};
+use ptm_suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
+use ptm_suite::texture::{test_case::TextureView, verify::verify};
+use ptm_texture::{Boundary, ClampMethod, RenderingControl, Rules};
 use serde_json::Value;
 
 use crate::table::rows;

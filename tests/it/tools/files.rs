@@ -7,12 +7,12 @@ use std::process::Command;
 use crate::common::{Workspace, assert_conforms, have_python, have_tool, repository, rows, stdout};
 use crate::repository::tree;
 use data_encoding::HEXLOWER;
-use ptm_conform::generate::{Model, Recipe, write};
-use ptm_conform::kit::{digest::sha256, yaml::from_yaml};
-use ptm_conform::ptm::{Coding, Format};
-use ptm_conform::suite::cases::{Suite, TableSpelling};
-use ptm_conform::tools::profiles::{self, Profile};
-use ptm_conform::tools::{dissection::FilePart, inspect::inspect};
+use ptm::{Coding, Format};
+use ptm_files::profiles::{self, Profile};
+use ptm_files::{dissection::FilePart, inspect::inspect};
+use ptm_generate::{Model, Recipe, write};
+use ptm_suite::cases::{Suite, TableSpelling};
+use ptm_suite::kit::{digest::sha256, yaml::from_yaml};
 use serde_json::Value;
 
 /// Creates a workspace with an ordinary file of each format, such as `LRGB.ptm`.
@@ -86,7 +86,7 @@ fn parts_of_every_file_are_disjoint_and_inside_it() {
         let built = case.build(TableSpelling::default());
         let inspection = inspect(&built.file);
         check(&case.id, built.file.len(), &inspection.fields);
-        let decoded = ptm_conform::decode(&built.file);
+        let decoded = ptm::decode(&built.file);
         assert_eq!(inspection.error.is_some(), decoded.is_err(), "{}", case.id);
         for all in [false, true] {
             let lines = inspection.to_text("x.ptm", all).lines().count();

@@ -1,19 +1,19 @@
 //! Tests that the file tools terminate for any file.
 
 use proptest::prelude::*;
-use ptm_conform::generate::{Model, Recipe, write};
-use ptm_conform::kit::yaml::to_yaml;
-use ptm_conform::ptm::Format;
-use ptm_conform::suite::cases::{Suite, TableSpelling};
-use ptm_conform::tools::convert::{Target, convert};
-use ptm_conform::tools::dissection::Dissection;
-use ptm_conform::tools::{diff, export, render};
-use ptm_conform::tools::{inspect::inspect, lint::codes::Severity, lint::lint};
+use ptm::Format;
+use ptm_files::convert::{Target, convert};
+use ptm_files::dissection::Dissection;
+use ptm_files::{diff, export, render};
+use ptm_files::{inspect::inspect, lint::codes::Severity, lint::lint};
+use ptm_generate::{Model, Recipe, write};
+use ptm_suite::cases::{Suite, TableSpelling};
+use ptm_suite::kit::yaml::to_yaml;
 
 /// Runs every tool on a file and asserts that the results agree with those of the decoder.
 fn run_all_tools(file: &[u8]) {
     let dissection = Dissection::parse(file);
-    let decoded = ptm_conform::decode(file);
+    let decoded = ptm::decode(file);
     assert_eq!(dissection.outcome, decoded);
     let inspection = inspect(file);
     assert_eq!(inspection.error.is_some(), decoded.is_err());
@@ -36,7 +36,7 @@ fn run_all_tools(file: &[u8]) {
                 loss: 0,
             };
             if let Ok(converted) = convert(&dissection, &ptm, target) {
-                let back = ptm_conform::decode(&converted.bytes).expect("a legal file");
+                let back = ptm::decode(&converted.bytes).expect("a legal file");
                 let same_channels = back.planes.shape.channels() == ptm.planes.shape.channels();
                 assert!(
                     !same_channels || diff::diff((file, &ptm), (&converted.bytes, &back)).same,

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use crate::common::{Workspace, have_tool, repository, repository_text, stdout};
 use data_encoding::HEXUPPER_PERMISSIVE;
-use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 
 /// Returns all parts of `text` that are between the two markers.
 fn parts_between<'a>(text: &'a str, before: &'a str, after: &'a str) -> Vec<&'a str> {

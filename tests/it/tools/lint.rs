@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use ptm_conform::suite::cases::{Case, Expect, TableSpelling};
-use ptm_conform::tools::lint::codes::{ALL, Code, Severity};
-use ptm_conform::tools::lint::lint;
+use ptm_files::lint::codes::{ALL, Code, Severity};
+use ptm_files::lint::lint;
+use ptm_suite::cases::{Case, Expect, TableSpelling};
 
 use crate::in_process::suite;
 
@@ -71,7 +71,7 @@ fn codes_have_one_severity_and_unique_texts() {
 
 #[test]
 fn every_clause_of_a_code_exists() {
-    let clauses = ptm_conform::suite::clauses::clauses().expect("the clauses load");
+    let clauses = ptm_suite::clauses::clauses().expect("the clauses load");
     for code in ALL.iter() {
         let is_known = clauses.iter().any(|clause| clause.id == code.clause);
         assert!(is_known, "{}: {}", code.id, code.clause);

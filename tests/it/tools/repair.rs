@@ -3,9 +3,9 @@
 use std::collections::BTreeMap;
 
 use crate::common::Workspace;
-use ptm_conform::decode;
-use ptm_conform::suite::cases::{Case, Expect, Suite, TableSpelling};
-use ptm_conform::tools::{lint::Lint, repair::repair};
+use ptm::decode;
+use ptm_files::{lint::Lint, repair::repair};
+use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 
 #[test]
 fn repaired_file_equals_its_twin_and_has_no_errors() {

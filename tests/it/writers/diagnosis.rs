@@ -1,20 +1,21 @@
 //! Tests that the mistakes of writers are diagnosed with the catalog of misreadings.
 
+use ptm_conform::writers::cases::load_writer_requests;
 use std::collections::HashMap;
 
+use ptm::Format;
 use ptm_conform::diagnose::Cause;
-use ptm_conform::misreadings::writing::{self, WriterMistake};
-use ptm_conform::protocol::frame::Answer;
-use ptm_conform::ptm::Format;
 use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::{outcome::Outcome, plan::RunPlan, run::check};
-use ptm_conform::suite::cases::{Expect, Suite};
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 use ptm_conform::writers::test_case::{WriteView, WrittenFile};
 use ptm_conform::writers::wrong_files::write_with_mistake;
 use ptm_conform::writers::{
     cases::WriterCase, diagnose::diagnose, reference::write_requested_file,
 };
+use ptm_mistakes::writing::{self, WriterMistake};
+use ptm_suite::cases::{Expect, Suite};
+use ptm_suite::protocol::frame::Answer;
 
 use crate::common::{Workspace, edit, have_tool, repository_text, rows};
 
@@ -26,7 +27,7 @@ struct Requests {
 
 impl Requests {
     fn small() -> Requests {
-        let mut suite = Suite::load_writer_requests().expect("the requests load");
+        let mut suite = load_writer_requests().expect("the requests load");
         let large = |case: &WriterCase| {
             let request = case.request();
             let limit = match request.format.coding().is_some() {

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use ptm_conform::decode;
-use ptm_conform::ptm::Format;
+use ptm::Format;
+use ptm::decode;
 use ptm_conform::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
 use ptm_conform::writers::fitting::polynomials::Polynomials;
 use ptm_conform::writers::fitting::sets::SETS;
@@ -47,7 +47,7 @@ fn optimum_is_as_close_as_the_images_allow() {
 fn no_map_with_the_same_steps_is_closer() {
     let set = SETS[1].make(Format::Rgb);
     let best = optimum(&set, Format::Rgb);
-    let total = |map: &ptm_conform::ptm::Ptm| -> f64 {
+    let total = |map: &ptm::Ptm| -> f64 {
         let errors = Polynomials::new(map).expect("RGB").errors(&set);
         errors.iter().map(|error| error * error).sum()
     };
@@ -115,7 +115,7 @@ fn hp_fit_is_close_to_the_optimum() {
     let set = ImageSet::read(Path::new(&lp)).expect("the set");
     let file = fs::read(Path::new(&lp).with_extension("ptm")).expect("the map");
     assert_eq!(judge(&set, Format::Lrgb, &file), Ok(()));
-    let mean = |map: &ptm_conform::ptm::Ptm| {
+    let mean = |map: &ptm::Ptm| {
         let errors = Polynomials::new(map).expect("LRGB").errors(&set);
         errors.iter().sum::<f64>() / errors.len() as f64
     };

@@ -1,13 +1,14 @@
 //! Tests that the judge accepts correct files and describes the faults of wrong ones.
 
-use ptm_conform::suite::cases::{Expect, Suite};
+use ptm_conform::writers::cases::load_writer_requests;
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 use ptm_conform::writers::{cases::WriterCase, judge::judge, reference::write_requested_file};
+use ptm_suite::cases::{Expect, Suite};
 
 use crate::common::assert_conforms;
 
 fn suite() -> Suite<WriterCase> {
-    Suite::load_writer_requests().expect("the requests load")
+    load_writer_requests().expect("the requests load")
 }
 
 /// Returns a request and the file that the reference writes for it.

@@ -1,0 +1,82 @@
+//! Converts a map to a file that the given readers display correctly.
+//!
+//! Tries lossless conversion to each format that all of the readers support, beginning with the format of the file, and
+//! predicts what the readers display for each candidate. Candidates use the spelling that every known reader accepts.
+
+use super::convert::{ConvertedMap, Target, convert};
+use super::{dissection::Dissection, join_texts};
+use crate::readers::{OpenedFile, ReaderProfile, Rendering};
+use ptm::{Coding, Format, Ptm};
+
+/// Formats to try after the format of the file, the most widely supported first.
+const FORMATS_TO_TRY: [Format; 7] = [
+    Format::Lrgb,
+    Format::Rgb,
+    Format::PtmLut,
+    Format::PtmCLut,
+    Format::JpeglsLrgb,
+    Format::JpeglsRgb,
+    Format::Lum,
+];
+
+/// Converts the file that `dissection` describes to the first format that all of `readers` display correctly.
+///
+/// # Errors
+/// Returns a message that explains why each format that the readers support is unsuitable.
+pub fn convert_for(
+    dissection: &Dissection,
+    ptm: &Ptm,
+    readers: &[&ReaderProfile],
+) -> Result<(Format, ConvertedMap), String> {
+    let own = ptm.header.format;
+    let others = FORMATS_TO_TRY.into_iter().filter(|&format| format != own);
+    let is_supported = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
+    let formats = std::iter::once(own).chain(others).filter(is_supported);
+    let formats: Vec<Format> = formats.collect();
+    let names = join_texts(readers.iter().map(|reader| &*reader.name), " and ");
+    if formats.is_empty() {
+        return Err(
+            "no lossless format is supported by all of these readers: ".to_owned() + &names,
+        );
+    }
+    let mut reasons = Vec::new();
+    for format in formats {
+        match try_format(dissection, ptm, format, readers) {
+            Ok(converted) => return Ok((format, converted)),
+            Err(why) => reasons.push(why),
+        }
+    }
+    Err(format!(
+        "{names} would not display this map correctly in any format: {}",
+        reasons.join("; ")
+    ))
+}
+
+/// Converts the map to `format`. Returns an error if a reader would not display the result correctly.
+fn try_format(
+    dissection: &Dissection,
+    ptm: &Ptm,
+    format: Format,
+    readers: &[&ReaderProfile],
+) -> Result<ConvertedMap, String> {
+    if format.coding() == Some(Coding::Jpeg) {
+        return Err(format!("{format} is lossy"));
+    }
+    let (quality, loss) = (None, 0);
+    let target = Target {
+        format,
+        quality,
+        loss,
+    };
+    let converted = convert(dissection, ptm, target)?;
+    let subject = OpenedFile::new(&converted.bytes);
+    for reader in readers {
+        let prediction = subject.predict(reader);
+        if prediction.result != Rendering::Right {
+            let (shows, how) = (prediction.result.name(), prediction.fault);
+            let reader = prediction.reader;
+            return Err(format!("as {format}, {reader} would show {shows} ({how})"));
+        }
+    }
+    Ok(converted)
+}

@@ -1,0 +1,263 @@
+//! Repairs faults that have only one possible correction:
+//!
+//! - spaces, tabs and line endings in the header that the specification does not allow
+//! - wrong compressed sizes, if the streams determine the correct ones
+//! - bytes after the last value
+//! - records of side information that a later record for the same texel overrides
+//!
+//! If the reference can read the file, the repaired file has the same values. Nothing is repaired if the correction is ambiguous.
+//! For example, copying a file in text mode also changes payload bytes, which cannot be identified later.
+
+use std::collections::HashSet;
+
+use super::dissection::{Dissection, FilePart, Role};
+use super::lint::Lint;
+use super::segments::{EOI, SegmentKind, segments};
+use ptm::decode::decode;
+use ptm::{Format, Ptm};
+
+/// Repaired file.
+#[derive(Debug)]
+pub struct RepairedFile {
+    /// Bytes of the repaired file.
+    pub bytes: Vec<u8>,
+    /// Descriptions of the changes.
+    pub changes: Vec<String>,
+}
+
+/// Header of a file, leniently split into words, and the payload.
+struct LenientHeader<'a> {
+    /// Words of each line, in the layout of files from HP's programs.
+    lines: Vec<Vec<String>>,
+    /// Line ending: `\n`, `\r\n` or `\r`.
+    line_end: &'static str,
+    payload: &'a [u8],
+    format: Format,
+}
+
+/// Repairs a file.
+///
+/// # Errors
+/// Returns a message if there is nothing to repair, or if the faults cannot be repaired without guessing.
+pub fn repair(file: &[u8]) -> Result<RepairedFile, String> {
+    let before = decode(file);
+    let mut changes = Vec::new();
+    let mut bytes = file.to_vec();
+    if before.is_err() {
+        let header = LenientHeader::read(file)?;
+        bytes = header.into_legal_file(&mut changes)?;
+    }
+    let dissection = Dissection::parse(&bytes);
+    let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
+    if is_read && end < bytes.len() {
+        let rest = bytes.len() - end;
+        if may_be_values(&bytes, end) {
+            return Err(format!(
+                "{rest} bytes follow the last value, but they may be values: check the size and the whitespace in the header"
+            ));
+        }
+        changes.push(format!("removed {rest} bytes after the last value"));
+        bytes.truncate(end);
+    }
+    bytes = remove_overridden_records(bytes, &mut changes)?;
+    if changes.is_empty() {
+        return Err("there is nothing to repair".to_owned());
+    }
+    let bug = "this is a bug in ptm-conform, and nothing was written";
+    let malformed = |error| format!("the result is malformed: {error}; {bug}");
+    let after = decode(&bytes).map_err(malformed)?;
+    if before.is_ok_and(|before| before != after) || Lint::new("", &bytes).errors > 0 {
+        return Err(format!("the result is a different map; {bug}"));
+    }
+    Ok(RepairedFile { bytes, changes })
+}
+
+impl<'a> LenientHeader<'a> {
+    /// Reads a header with arbitrary whitespace between its words.
+    fn read(file: &'a [u8]) -> Result<LenientHeader<'a>, String> {
+        let mut offset = 0;
+        let version = next_word(file, &mut offset)?;
+        if version != "PTM_1.2" {
+            return Err("the file does not begin with PTM_1.2".to_owned());
+        }
+        let line_end = match strip_leading_blanks(&file[offset..]) {
+            [b'\r', b'\n', ..] => "\r\n",
+            [b'\r', ..] => "\r",
+            _ => "\n",
+        };
+        let name = next_word(file, &mut offset)?;
+        let format = Format::ALL.into_iter().find(|format| format.name() == name);
+        let format = format.ok_or_else(|| format!("unknown format {name:?}"))?;
+        let mut lines = vec![vec![version], vec![name]];
+        let planes = format.channels();
+        let more = match format {
+            Format::PtmLut | Format::PtmCLut => {
+                return Err("headers of files with a lookup table are not repaired".to_owned());
+            }
+            Format::Lum => vec![16],
+            _ if format.coding().is_some() => [&[1][..], &[planes; 7]].concat(),
+            _ => Vec::new(),
+        };
+        for count in [1, 1, 6, 6].into_iter().chain(more) {
+            let words = (0..count).map(|_| next_word(file, &mut offset));
+            lines.push(words.collect::<Result<_, _>>()?);
+        }
+        let rest = strip_leading_blanks(&file[offset..]);
+        let payload = rest.strip_prefix(line_end.as_bytes());
+        Ok(LenientHeader {
+            lines,
+            line_end,
+            payload: payload.ok_or("the end of the header cannot be found")?,
+            format,
+        })
+    }
+
+    fn into_legal_file(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
+        const WHITESPACE: &str = "replaced the whitespace in the header with spaces and line feeds";
+        let normalized = self.to_bytes();
+        if decode(&normalized).is_ok() {
+            let is_exact = Dissection::parse(&normalized).end() == normalized.len();
+            if self.line_end != "\n" && !is_exact || self.has_converted_payload() {
+                let why = "the file seems to have been copied in text mode, which also changes the payload";
+                return Err(why.to_owned());
+            }
+            changes.push(WHITESPACE.to_owned());
+            return Ok(normalized);
+        }
+        if self.format.coding().is_none() {
+            let why = "the faults cannot be repaired without guessing; `lint` lists them";
+            return Err(why.to_owned());
+        }
+        self.measure_streams(changes)?;
+        Ok(self.to_bytes())
+    }
+
+    /// Returns true if every line feed in the payload seems to have been converted to the line ending of the header.
+    fn has_converted_payload(&self) -> bool {
+        let count = |pattern: &[u8]| {
+            self.payload
+                .windows(pattern.len())
+                .filter(|w| *w == pattern)
+                .count()
+        };
+        match self.line_end {
+            "\r" => count(b"\r") > 0 && count(b"\n") == 0,
+            "\r\n" => count(b"\n") > 0 && count(b"\n") == count(b"\r\n"),
+            _ => false,
+        }
+    }
+
+    fn to_bytes(&self) -> Vec<u8> {
+        let lines = self.lines.iter().map(|line| line.join(" ") + "\n");
+        let header: String = lines.collect();
+        [header.as_bytes(), self.payload].concat()
+    }
+
+    /// Corrects the compressed sizes if the streams and their side information fill the payload without gaps.
+    fn measure_streams(&mut self, changes: &mut Vec<String>) -> Result<(), String> {
+        const SIZES: usize = 12;
+        let ambiguous = "the streams do not determine the correct sizes";
+        let mut offset = 0_usize;
+        for plane in 0..self.format.channels() {
+            let stream = self.payload.get(offset..).ok_or(ambiguous)?;
+            let size = stream_length(stream).ok_or(ambiguous)?;
+            let text = &mut self.lines[SIZES][plane];
+            if *text != size.to_string() {
+                let name = format!("the compressed size of plane {plane}");
+                changes.push(format!("corrected {name} from {text} to {size}"));
+                *text = size.to_string();
+            }
+            let side = self.lines[SIZES + 1][plane].parse::<usize>();
+            let end = side.ok().and_then(|side| (offset + size).checked_add(side));
+            offset = end.ok_or(ambiguous)?;
+        }
+        match offset == self.payload.len() && !changes.is_empty() {
+            true => Ok(()),
+            false => Err(ambiguous.to_owned()),
+        }
+    }
+}
+
+/// Returns true if the bytes after `end` may be values. In a file with a table, any bytes may be indices. In a compressed file,
+/// the bytes may be whole records of side information. In other files, they may be whole texels, or values that were displaced
+/// because the payload seems to begin with header whitespace.
+fn may_be_values(bytes: &[u8], end: usize) -> bool {
+    let Ok(Ptm { header, .. }) = decode(bytes) else {
+        return false;
+    };
+    let extra = bytes.len() - end;
+    let texel = header.format.channels();
+    match header.format {
+        format if format.has_table() => true,
+        format if format.coding().is_some() => extra.is_multiple_of(5),
+        _ => {
+            let first = bytes[end - header.size.texels() * texel];
+            extra.is_multiple_of(texel) || first.is_ascii_whitespace()
+        }
+    }
+}
+
+/// Skips whitespace and returns the next word of a header. Advances `offset` to the end of the word.
+fn next_word(file: &[u8], offset: &mut usize) -> Result<String, String> {
+    let is_blank = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
+    *offset += file[*offset..].iter().take_while(is_blank).count();
+    let rest = file[*offset..].iter();
+    let length = rest.take_while(|byte| byte.is_ascii_graphic()).count();
+    let word = String::from_utf8_lossy(&file[*offset..*offset + length]).into_owned();
+    *offset += length;
+    match length {
+        0 => Err(format!("the header cannot be read beyond byte {offset}")),
+        _ => Ok(word),
+    }
+}
+
+fn strip_leading_blanks(bytes: &[u8]) -> &[u8] {
+    let blanks = bytes.iter().take_while(|byte| matches!(byte, b' ' | b'\t'));
+    &bytes[blanks.count()..]
+}
+
+/// Returns the length of a stream from SOI to EOI. Returns `None` if there are stray bytes between them.
+fn stream_length(stream: &[u8]) -> Option<usize> {
+    let parts = segments(stream);
+    let first = |kind| parts.iter().position(|part| part.kind == kind);
+    let end = first(SegmentKind::Marker(EOI))?;
+    let is_sound = first(SegmentKind::Stray).is_none_or(|stray| stray > end);
+    (is_sound && stream.starts_with(&[0xff, 0xd8])).then_some(parts[end].range.end)
+}
+
+/// Removes records that a later record for the same texel overrides.
+fn remove_overridden_records(bytes: Vec<u8>, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
+    let dissection = Dissection::parse(&bytes);
+    if let Err(error) = &dissection.outcome {
+        return Err(error.to_string());
+    }
+    let mut edits = Vec::new();
+    for plane in 0..dissection.compressed_planes() {
+        let part = |role| dissection.part(role).map(FilePart::range);
+        let (Some(size), Some(side)) = (part(Role::SideSize(plane)), part(Role::Side(plane)))
+        else {
+            continue;
+        };
+        let mut seen = HashSet::new();
+        let mut kept: Vec<&[u8]> = bytes[side.clone()].rchunks(5).collect();
+        let all = kept.len();
+        kept.retain(|record| seen.insert(&record[..4]));
+        kept.reverse();
+        if kept.len() < all {
+            let removed = all - kept.len();
+            changes.push(format!(
+                "plane {plane}: removed {removed} records that later records override"
+            ));
+            let kept = kept.concat();
+            edits.push((size, kept.len().to_string().into_bytes()));
+            edits.push((side, kept));
+        }
+    }
+    // Apply edits from the end, so that the ranges of earlier edits remain valid.
+    edits.sort_by_key(|(range, _)| std::cmp::Reverse(range.start));
+    let mut bytes = bytes;
+    for (range, replacement) in edits {
+        bytes.splice(range, replacement);
+    }
+    Ok(bytes)
+}

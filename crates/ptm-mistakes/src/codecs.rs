@@ -1,0 +1,310 @@
+//! §2.9.8: mistakes in decoding the streams of planes, and in the order of rows
+
+use super::hook::{Hook, Steps};
+use super::layout::{flip_rows, top_row_first};
+use ptm::Coding::{self, Jpeg, JpegLs};
+use ptm::Size;
+use ptm::decode::planes;
+use ptm::error::{Error, Kind, Result};
+use ptm::parts::{Coded, PlaneStream};
+use ptm::reading::Reading;
+
+type PlaneSamples = Result<Vec<u8>>;
+
+pub const STEPS: Steps = |slug| {
+    Some(match slug {
+        // Rows
+        "compressed-rows-top-down" => {
+            Hook::StoredRow(|header, row| top_row_first(&[Jpeg, JpegLs], header, row))
+        }
+        "jpeg-rows-top-down" => Hook::StoredRow(|header, row| top_row_first(&[Jpeg], header, row)),
+        "jpeg-ls-rows-top-down" => {
+            Hook::StoredRow(|header, row| top_row_first(&[JpegLs], header, row))
+        }
+        "compressed-colors-top-down" => Hook::Planes(|ptm| {
+            if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 9 {
+                flip_rows(ptm, 6..9);
+            }
+        }),
+        "compressed-green-and-blue-top-down" => Hook::Planes(|ptm| {
+            if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 18 {
+                flip_rows(ptm, 6..18);
+            }
+        }),
+        // Samples
+        "jpeg-rows-padded-to-4" => Hook::Stream(|plane| decode_with_padded_rows(plane, 4)),
+        "jpeg-rows-padded-to-8" => Hook::Stream(|plane| decode_with_padded_rows(plane, 8)),
+        "compressed-columns-mirrored" => Hook::Stream(|plane| {
+            let mut samples = planes::decode_stream(plane)?;
+            let rows = samples.chunks_exact_mut(plane.size.width as usize);
+            rows.for_each(<[u8]>::reverse);
+            Ok(samples)
+        }),
+        "jpeg-studio-range" => Hook::Stream(|plane| {
+            decode_and_map(plane, |value| {
+                ((i32::from(value) - 16) * 255 / 219).clamp(0, 255) as u8
+            })
+        }),
+        "jpeg-studio-range-made" => Hook::Stream(|plane| {
+            decode_and_map(plane, |value| (u16::from(value) * 219 / 255 + 16) as u8)
+        }),
+        "jpeg-without-level-shift" => {
+            Hook::Stream(|plane| decode_and_map(plane, |value| value.saturating_sub(128)))
+        }
+        "jpeg-gamma" => Hook::Stream(|plane| {
+            // A square root resembles color management, and is exact on every machine.
+            decode_and_map(plane, |value| (u16::from(value) * 255).isqrt() as u8)
+        }),
+        "jpeg-low-bit-lost" => Hook::Stream(|plane| decode_and_map(plane, |value| value & 0xFE)),
+        // Optional features of streams
+        "restart-markers-refused" => {
+            Hook::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xDD), plane))
+        }
+        "sof1-refused" => Hook::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xC1), plane)),
+        "tables-of-16-bits-refused" => Hook::Stream(|plane| {
+            let wide = segments(plane.bytes).any(|(code, segment)| {
+                code == 0xDB && segment.first().is_some_and(|&first| first >> 4 == 1)
+            });
+            decode_unless(wide, plane)
+        }),
+        "tables-of-16-bits-cut" => Hook::Stream(|plane| {
+            decode_edited(plane, |code, segment| {
+                if let (0xDB, [16..=31, table @ ..]) = (code, segment) {
+                    for entry in table.chunks_exact_mut(2) {
+                        // A step of 0 becomes 1.
+                        entry[0] = 0;
+                        entry[1] = entry[1].max(1);
+                    }
+                }
+            })
+        }),
+        "quantisation-table-in-rows" => Hook::Stream(|plane| {
+            decode_edited(plane, |code, segment| {
+                if let (0xDB, [0..=15, table @ ..]) = (code, segment)
+                    && table.len() == 64
+                {
+                    // Entry k of the table is used for frequency k in row order, although the table is in zigzag order.
+                    let stored = table.to_vec();
+                    table.copy_from_slice(&zigzag().map(|position| stored[position]));
+                }
+            })
+        }),
+        "optimised-tables-refused" => Hook::Stream(|plane| {
+            // The tables of Annex K have 12 and 162 codes.
+            let codes = |segment: &[u8]| -> u32 {
+                let counts = segment.get(1..17).unwrap_or_default();
+                counts.iter().map(|&count| u32::from(count)).sum()
+            };
+            let own = segments(plane.bytes)
+                .any(|(code, segment)| code == 0xC4 && ![12, 162, 174].contains(&codes(segment)));
+            decode_unless(own, plane)
+        }),
+        "sampling-factors-refused" => Hook::Stream(|plane| {
+            let factors = segments(plane.bytes).any(|(code, segment)| {
+                matches!(code, 0xC0 | 0xC1) && segment.get(7).is_some_and(|&f| f != 0x11)
+            });
+            decode_unless(factors, plane)
+        }),
+        "jfif-required" => Hook::Stream(|plane| {
+            let is_jpeg = plane.coding == Coding::Jpeg;
+            decode_unless(is_jpeg && !has_marker(plane.bytes, 0xE0), plane)
+        }),
+        "one-row-refused" => Hook::Stream(|plane| {
+            let is_small = plane.size.width < 8 || plane.size.height < 8;
+            decode_unless(is_small && plane.coding == Coding::Jpeg, plane)
+        }),
+        // JPEG-LS parameters
+        "near-ignored" => Hook::Stream(|plane| {
+            decode_edited(plane, |code, segment| {
+                if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = (code, segment, plane.coding) {
+                    *near = 0;
+                }
+            })
+        }),
+        "presets-ignored" => {
+            Hook::Stream(|plane| decode_with_presets(plane, |segment| segment[1..11].fill(0)))
+        }
+        "thresholds-ignored" => {
+            Hook::Stream(|plane| decode_with_presets(plane, |segment| segment[3..9].fill(0)))
+        }
+        "reset-ignored" => {
+            Hook::Stream(|plane| decode_with_presets(plane, |segment| segment[9..11].fill(0)))
+        }
+        "presets-kept" => {
+            Hook::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xF8))
+        }
+        "restart-interval-kept" => {
+            Hook::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xDD))
+        }
+        "presets-refused" => {
+            Hook::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xF8), plane))
+        }
+        // Streams that must be refused
+        "plane-size-unchecked" => Hook::Stream(|plane| {
+            let mut found = segments(plane.bytes);
+            let found = found.find(|&(code, _)| matches!(code, 0xC0 | 0xC1 | 0xF7));
+            let Some((_, [_, h1, h0, w1, w0, ..])) = found else {
+                return planes::decode_stream(plane);
+            };
+            let own = Size {
+                width: u16::from_be_bytes([*w1, *w0]).into(),
+                height: u16::from_be_bytes([*h1, *h0]).into(),
+            };
+            if own.texels() > 1 << 24 {
+                return planes::decode_stream(plane);
+            }
+            let size = own;
+            let samples = planes::decode_stream(&PlaneStream { size, ..*plane })?;
+            let mut resized = vec![0; plane.size.texels()];
+            let rows = resized.chunks_exact_mut(plane.size.width as usize);
+            for (to, from) in rows.zip(samples.chunks_exact((own.width as usize).max(1))) {
+                to.iter_mut().zip(from).for_each(|(to, &from)| *to = from);
+            }
+            Ok(resized)
+        }),
+        "empty-stream-is-a-blank-plane" => Hook::Stream(|plane| match plane.bytes.is_empty() {
+            true => Ok(vec![0; plane.size.texels()]),
+            false => planes::decode_stream(plane),
+        }),
+        "codec-from-the-stream" => Hook::Stream(|plane| {
+            let coding = match plane.bytes {
+                [] => plane.coding,
+                bytes if has_marker(bytes, 0xF7) => Coding::JpegLs,
+                _ => Coding::Jpeg,
+            };
+            planes::decode_stream(&PlaneStream { coding, ..*plane })
+        }),
+        "broken-plane-is-blank" => Hook::Stream(|plane| {
+            Ok(planes::decode_stream(plane).unwrap_or_else(|_| vec![0; plane.size.texels()]))
+        }),
+        _ => return None,
+    })
+};
+
+/// Decodes all planes. A stream that lacks a segment with this marker reuses the segment of the previous stream.
+fn decode_reusing_segments(coded: &Coded, reading: &Reading, marker: u8) -> Result<Vec<Vec<u8>>> {
+    let mut payload = Vec::new();
+    let mut plan = coded.plan.clone();
+    let mut previous: Vec<u8> = Vec::new();
+    for extent in &mut plan.extents {
+        let mut stream = coded.payload[extent.stream.clone()].to_vec();
+        // The marker and the length occupy four bytes.
+        let own = segment_ranges(&stream)
+            .into_iter()
+            .find(|&(code, _)| code == marker)
+            .map(|(_, segment)| stream[segment.start - 4..segment.end].to_vec());
+        match own {
+            Some(own) => previous = own,
+            None if stream.len() > 2 => {
+                stream.splice(2..2, previous.iter().copied());
+            }
+            None => {}
+        }
+        let start = payload.len();
+        payload.extend_from_slice(&stream);
+        let middle = payload.len();
+        payload.extend_from_slice(&coded.payload[extent.side.clone()]);
+        extent.stream = start..middle;
+        extent.side = middle..payload.len();
+    }
+    let modified = Coded {
+        plan: &plan,
+        payload: &payload,
+        ..*coded
+    };
+    planes::reconstruct(&modified, planes::residuals(&modified, reading)?, reading)
+}
+
+/// Decodes a plane, and changes its samples if the stream is a JPEG stream.
+fn decode_and_map(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
+    let mut samples = planes::decode_stream(plane)?;
+    if plane.coding == Coding::Jpeg {
+        for value in &mut samples {
+            *value = change(*value);
+        }
+    }
+    Ok(samples)
+}
+
+/// Decodes a plane. For JPEG streams, returns the first samples of a buffer whose rows are padded to a multiple of `unit`.
+fn decode_with_padded_rows(plane: &PlaneStream, unit: usize) -> PlaneSamples {
+    let samples = planes::decode_stream(plane)?;
+    if plane.coding != Coding::Jpeg {
+        return Ok(samples);
+    }
+    let width = plane.size.width as usize;
+    let padded = width.next_multiple_of(unit);
+    let at = |i: usize| samples[i / padded * width + (i % padded).min(width - 1)];
+    Ok((0..samples.len()).map(at).collect())
+}
+
+fn decode_unless(refused: bool, plane: &PlaneStream) -> PlaneSamples {
+    if refused {
+        let kind = Kind::Stream {
+            plane: plane.plane,
+            unsupported: false,
+            what: "streams of this kind are not supported".to_owned(),
+        };
+        return Err(Error::new("2.9.8/3", plane.at, kind));
+    }
+    planes::decode_stream(plane)
+}
+
+/// Returns the codes and contents of the marker segments of a stream, up to the scan header.
+fn segments(bytes: &[u8]) -> impl Iterator<Item = (u8, &[u8])> {
+    segment_ranges(bytes)
+        .into_iter()
+        .map(|(code, range)| (code, &bytes[range]))
+}
+
+fn has_marker(bytes: &[u8], marker: u8) -> bool {
+    segments(bytes).any(|(code, _)| code == marker)
+}
+
+fn segment_ranges(bytes: &[u8]) -> Vec<(u8, std::ops::Range<usize>)> {
+    let mut found = Vec::new();
+    let mut at = 2;
+    while let Some(&[0xFF, code, high, low]) = bytes.get(at..at + 4) {
+        let end = at + 2 + usize::from(u16::from_be_bytes([high, low]));
+        if end < at + 4 || end > bytes.len() {
+            break;
+        }
+        found.push((code, at + 4..end));
+        at = end;
+        if code == 0xDA {
+            break;
+        }
+    }
+    found
+}
+
+/// Decodes a plane after editing the marker segments of its stream.
+fn decode_edited(plane: &PlaneStream, edit: impl Fn(u8, &mut [u8])) -> PlaneSamples {
+    let mut stream = plane.bytes.to_vec();
+    for (code, range) in segment_ranges(plane.bytes) {
+        edit(code, &mut stream[range]);
+    }
+    let bytes = &stream;
+    planes::decode_stream(&PlaneStream { bytes, ..*plane })
+}
+
+/// Decodes a plane after editing the preset parameters of its stream. A parameter value of 0 selects the default.
+fn decode_with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> PlaneSamples {
+    decode_edited(plane, |code, segment| {
+        if code == 0xF8 && segment.len() == 11 && segment[0] == 1 {
+            edit(segment);
+        }
+    })
+}
+
+/// Returns the zigzag permutation of the positions in a block.
+fn zigzag() -> [usize; 64] {
+    let mut order: Vec<usize> = (0..64).collect();
+    // Visit the diagonals in order, even ones upward and odd ones downward.
+    order.sort_by_key(|&position| {
+        let (row, column) = (position / 8, position % 8);
+        let diagonal = row + column;
+        (diagonal, if diagonal % 2 == 0 { column } else { row })
+    });
+    order.try_into().expect("there are 64 positions")
+}

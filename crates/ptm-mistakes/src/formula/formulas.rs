@@ -1,0 +1,245 @@
+//! The formulas of the specification (`spec-cases/formulas.yaml`), with the names that each formula may use.
+
+use std::sync::LazyLock;
+
+use serde::Deserialize;
+
+use super::expression::{Expression, Scope, parse};
+use ptm::Format;
+use ptm_suite::kit::yaml;
+
+/// A step of decoding that the specification states or implies as arithmetic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[allow(missing_docs)] // see `formulas.yaml`
+pub enum Formula {
+    LightU,
+    LightV,
+    Polynomial,
+    Color,
+    MatrixRow,
+    Rendering,
+    FinalCoefficient,
+    FinalColor,
+    StoredValue,
+    StoredRow,
+    StoredColumn,
+    RgbSample,
+    LumSample,
+    LrgbCoefficient,
+    LrgbColor,
+    IndexSize,
+    IndexByte,
+    Index,
+    TableSample,
+    TableColor,
+    RgbPlane,
+    LrgbPlane,
+    Transform,
+    Inverted,
+    Displaced,
+    VectorX,
+    VectorY,
+    Reference,
+    Predictor,
+    Inversion,
+    DisplacedX,
+    DisplacedY,
+    MeanOfTwo,
+    MeanOfFour,
+    EdgeX,
+    EdgeY,
+    StreamSample,
+    Plane,
+    RecordCount,
+    RecordByte,
+    RecordPosition,
+    RecordPlace,
+    Corrected,
+}
+
+/// Stages of decoding, in order. A mistake in one stage affects that stage and all later stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Stage {
+    /// Reading the bytes.
+    File,
+    /// Converting bytes to planes.
+    Decoding,
+    /// Finished planes.
+    Planes,
+    /// Final coefficients.
+    Coefficients,
+    /// Colors under a light.
+    Color,
+}
+
+impl Formula {
+    /// All formulas with their names, in order from the image back to the bytes.
+    pub const ALL: [(Formula, &'static str); 43] = [
+        (Formula::LightU, "light u"),
+        (Formula::LightV, "light v"),
+        (Formula::Polynomial, "polynomial"),
+        (Formula::Color, "color"),
+        (Formula::MatrixRow, "matrix row"),
+        (Formula::Rendering, "shown value"),
+        (Formula::FinalCoefficient, "final coefficient"),
+        (Formula::FinalColor, "final color"),
+        (Formula::StoredValue, "stored value"),
+        (Formula::StoredRow, "stored row"),
+        (Formula::StoredColumn, "stored column"),
+        (Formula::RgbSample, "RGB sample"),
+        (Formula::LumSample, "LUM sample"),
+        (Formula::LrgbCoefficient, "LRGB coefficient"),
+        (Formula::LrgbColor, "LRGB color"),
+        (Formula::IndexSize, "bytes of an index"),
+        (Formula::IndexByte, "index byte"),
+        (Formula::Index, "index"),
+        (Formula::TableSample, "table sample"),
+        (Formula::TableColor, "PTM_LUT color"),
+        (Formula::RgbPlane, "RGB plane"),
+        (Formula::LrgbPlane, "LRGB plane"),
+        (Formula::Transform, "transform"),
+        (Formula::Inverted, "inversion bit"),
+        (Formula::Displaced, "motion bit"),
+        (Formula::VectorX, "vector x"),
+        (Formula::VectorY, "vector y"),
+        (Formula::Reference, "reference"),
+        (Formula::Predictor, "predictor"),
+        (Formula::Inversion, "inverted value"),
+        (Formula::DisplacedX, "displaced x"),
+        (Formula::DisplacedY, "displaced y"),
+        (Formula::MeanOfTwo, "mean of two"),
+        (Formula::MeanOfFour, "mean of four"),
+        (Formula::EdgeX, "column at the edge"),
+        (Formula::EdgeY, "row at the edge"),
+        (Formula::StreamSample, "stream sample"),
+        (Formula::Plane, "plane"),
+        (Formula::RecordCount, "number of records"),
+        (Formula::RecordByte, "record byte"),
+        (Formula::RecordPosition, "record position"),
+        (Formula::RecordPlace, "record place"),
+        (Formula::Corrected, "corrected value"),
+    ];
+
+    /// Returns the name used in `formulas.yaml` and in reports.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        Formula::ALL[self as usize].1
+    }
+
+    /// Returns the names that the formula and its edits may use.
+    #[must_use]
+    pub fn scope(self) -> Scope {
+        self.stated().scope
+    }
+
+    /// Returns the stage of decoding whose result the formula computes.
+    #[must_use]
+    pub fn stage(self) -> Stage {
+        match self {
+            _ if self >= Formula::StoredRow => Stage::Decoding,
+            Formula::StoredValue => Stage::Planes,
+            Formula::FinalCoefficient | Formula::FinalColor => Stage::Coefficients,
+            _ => Stage::Color,
+        }
+    }
+
+    /// Returns true if decoding a file in this format may use the formula.
+    #[must_use]
+    pub fn is_used_by(self, format: Format) -> bool {
+        let channels = format.channels();
+        match self {
+            Formula::Color => channels == 9,
+            Formula::MatrixRow | Formula::LumSample => format == Format::Lum,
+            Formula::FinalColor => channels < 18,
+            Formula::RgbSample => format == Format::Rgb,
+            Formula::LrgbCoefficient | Formula::LrgbColor => format == Format::Lrgb,
+            Formula::TableColor => format == Format::PtmLut,
+            Formula::RgbPlane => format.coding().is_some() && channels == 18,
+            Formula::LrgbPlane => format.coding().is_some() && channels == 9,
+            _ if self < Formula::RgbSample => true,
+            _ if self < Formula::RgbPlane => format.has_table(),
+            _ => format.coding().is_some(),
+        }
+    }
+
+    /// Returns true if an edit of the formula may address bytes outside the data, in which case the decoder refuses the file.
+    pub(crate) fn may_refuse(self) -> bool {
+        let addresses = [
+            Formula::RgbSample..=Formula::Reference,
+            Formula::DisplacedX..=Formula::DisplacedY,
+            Formula::EdgeX..=Formula::EdgeY,
+            Formula::RecordCount..=Formula::RecordPlace,
+        ];
+        addresses.iter().any(|range| range.contains(&self))
+    }
+
+    /// Returns the formula with this name, if any.
+    pub(crate) fn from_name(name: &str) -> Option<Formula> {
+        let row = Formula::ALL.iter().find(|row| row.1 == name);
+        row.map(|row| row.0)
+    }
+
+    /// Returns the formula as the specification states it.
+    #[must_use]
+    pub fn stated(self) -> &'static StatedFormula {
+        &STATED_FORMULAS[self as usize]
+    }
+}
+
+/// A formula as stated in `formulas.yaml`.
+#[derive(Debug)]
+pub struct StatedFormula {
+    /// Clause that states or implies the formula.
+    pub clause: &'static str,
+    /// Description of the result, as a noun phrase.
+    pub result: &'static str,
+    /// Names that the formula and its edits may use.
+    pub scope: Scope,
+    /// Expression in this scope.
+    pub expression: Expression,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FormulaRecord {
+    name: String,
+    clause: String,
+    computes: String,
+    formula: String,
+    variables: String,
+    #[serde(default)]
+    lists: String,
+}
+
+/// All formulas, in the order of [`Formula::ALL`].
+static STATED_FORMULAS: LazyLock<Vec<StatedFormula>> = LazyLock::new(|| {
+    let text = ptm_spec_cases::FORMULAS;
+    read(text).unwrap_or_else(|error| unreachable!("invalid embedded formulas.yaml: {error}"))
+});
+
+/// Parses the formulas. Leaks their text, because references to it must be `'static`.
+fn read(text: &str) -> Result<Vec<StatedFormula>, String> {
+    let records = yaml::records::<FormulaRecord>(text)?;
+    let all = Formula::ALL.iter().map(|row| row.1);
+    if !records.iter().map(|(_, record)| &*record.name).eq(all) {
+        return Err("the names must equal those of Formula::ALL, in the same order".to_owned());
+    }
+    let names = |text: String| -> &'static [&'static str] {
+        let text: &'static str = text.leak();
+        text.split_whitespace().collect::<Vec<_>>().leak()
+    };
+    let stated = |(line, record): (usize, FormulaRecord)| {
+        let scope = Scope {
+            variables: names(record.variables),
+            lists: names(record.lists),
+        };
+        let expression = parse(&record.formula, scope);
+        Ok(StatedFormula {
+            clause: record.clause.leak(),
+            result: record.computes.leak(),
+            scope,
+            expression: expression.map_err(|error| format!("line {line}: {error}"))?,
+        })
+    };
+    records.into_iter().map(stated).collect()
+}

@@ -1,0 +1,644 @@
+//! The stages of decoding from stored bytes to an image, in terms of formulas.
+//!
+//! A formula without an edit is computed by the corresponding function of the [`Reading`]. Edits can therefore be combined with
+//! other readings of the open questions, and with misreadings that are implemented as functions.
+
+use std::borrow::Cow;
+use std::cell::Cell;
+use std::ops::RangeInclusive;
+
+use super::edit::{Edit, EditedForm};
+use super::expression::{Expression, Function};
+use super::formulas::{Formula, Stage};
+pub use ptm::decode::{self, Streams, decode_as};
+use ptm::error::{Error, Kind, Result};
+use ptm::evaluate::{self, Coefficients, RelitImage};
+use ptm::input::Input;
+use ptm::parts::{Coded, RawLists, Step};
+use ptm::reading::Reading;
+use ptm::{Coding, Header, Limits, Planes, Ptm, Shape, Size, Storage};
+
+/// Edits that a decoder makes, at most one per formula.
+#[derive(Clone, Copy)]
+pub struct Edits<'a>(pub &'a [&'a Edit]);
+
+impl Edits<'_> {
+    fn change(&self, formula: Formula) -> Option<&EditedForm> {
+        let mut edits = self.0.iter();
+        let edit = edits.find(|edit| edit.formula == formula);
+        edit.map(|edit| &edit.change)
+    }
+
+    fn edits_any(&self, formulas: RangeInclusive<Formula>) -> bool {
+        self.0.iter().any(|edit| formulas.contains(&edit.formula))
+    }
+
+    fn is_edited(&self, formula: Formula) -> bool {
+        self.change(formula).is_some()
+    }
+
+    fn has_stage(&self, stage: Stage) -> bool {
+        self.0.iter().any(|edit| edit.formula.stage() == stage)
+    }
+
+    /// Evaluates the edit of a formula, or the stated formula if there is no edit.
+    fn value(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> f64 {
+        let stated = || formula.stated().expression.value(variables, lists);
+        self.edited_value(formula, variables, lists)
+            .unwrap_or_else(stated)
+    }
+
+    /// Evaluates the edit of a formula, or calls `unedited` if there is no edit.
+    fn value_or(&self, formula: Formula, variables: &[f64], unedited: impl FnOnce() -> f64) -> f64 {
+        let edited_value = self.edited_value(formula, variables, &[]);
+        edited_value.unwrap_or_else(unedited)
+    }
+
+    fn edited_value(&self, formula: Formula, variables: &[f64], lists: &[&[f64]]) -> Option<f64> {
+        self.change(formula).map(|change| match change {
+            EditedForm::Expression(expression) => expression.value(variables, lists),
+            EditedForm::Table(table) => f64::from(table[usize::from(to_byte(variables[0]))]),
+        })
+    }
+}
+
+/// Converts a value to a byte: `floor(value) mod 256`.
+fn to_byte(value: f64) -> u8 {
+    value.floor().rem_euclid(256.0) as u8
+}
+
+/// Decodes a file with edited formulas.
+///
+/// # Errors
+/// Returns the violated clause, the byte offset, and what was found there.
+pub fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
+    match edits.has_stage(Stage::Decoding) {
+        true => decode_stages(file, reading, edits),
+        false => decode_as(file, reading, &Limits::default()),
+    }
+}
+
+/// Computes the stored values of a decoded map with edited formulas.
+pub fn stored_values<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
+    let mut ptm = Cow::Borrowed(ptm);
+    if edits.has_stage(Stage::Planes) {
+        let channels = ptm.planes.shape.channels();
+        for (k, sample) in ptm.to_mut().planes.samples.iter_mut().enumerate() {
+            let [i, c] = coefficient_index(k % channels);
+            *sample = to_byte(edits.value(Formula::StoredValue, &[f64::from(*sample), i, c], &[]));
+        }
+    }
+    ptm
+}
+
+/// Returns the indices of a coefficient and of its polynomial. Colors, Cr and Cb count as coefficients of a second polynomial.
+fn coefficient_index(channel: usize) -> [f64; 2] {
+    [channel % 6, channel / 6].map(|number| number as f64)
+}
+
+fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
+    let mut input = Input::new(file);
+    let header = decode::read_header(&mut input)?;
+    // Edits of formulas that the format does not use change nothing.
+    let mut formulas = edits.0.iter().map(|edit| edit.formula);
+    if !formulas.any(|formula| formula.is_used_by(header.format)) {
+        return decode_as(file, reading, &Limits::default());
+    }
+    let shape = header.format.shape();
+    let shape = shape.with_matrix(|| decode::color_matrix::read(&mut input))?;
+    let texels = TexelLayout {
+        header: &header,
+        reading,
+        edits,
+    };
+    // A texel has at least one byte, so an edited address cannot turn a small file into a large image.
+    let max_texels = input.rest().len() as u64;
+    if header.format.coding().is_none() && header.size.bytes(1) > max_texels {
+        return Err(outside_data_error(input.at()));
+    }
+    let samples = match header.format.storage() {
+        Storage::Texels => texels.samples_of_blocks(&input)?,
+        Storage::Table | Storage::ColorTable => texels.samples_of_table(&mut input)?,
+        Storage::Streams(coding) => {
+            let limits = Limits::default();
+            let streams = Streams::read(&header, coding, &mut input, reading, &limits)?;
+            let planes = CompressedPlanes {
+                coded: streams.coded(),
+                lists: &streams.lists,
+                reading,
+                edits,
+            };
+            texels.samples_of_planes(&planes.decode(streams.residuals())?)?
+        }
+    };
+    let planes = Planes {
+        size: header.size,
+        shape,
+        samples,
+    };
+    Ok(Ptm { header, planes })
+}
+
+/// Layout of a file, which determines the address of each value.
+struct TexelLayout<'a> {
+    header: &'a Header,
+    reading: &'a Reading,
+    edits: Edits<'a>,
+}
+
+fn outside_data_error(offset: usize) -> Error {
+    let kind = Kind::Short {
+        what: "the addressed values",
+        needed: 1,
+        remaining: 0,
+    };
+    Error::new("2.7/3", offset, kind)
+}
+
+fn element_at<T>(data: &[T], address: f64) -> Result<&T> {
+    let is_address = address >= 0.0 && address.fract() == 0.0;
+    let found = is_address.then(|| data.get(address as usize)).flatten();
+    found.ok_or_else(|| outside_data_error(0))
+}
+
+impl TexelLayout<'_> {
+    fn size(&self) -> [f64; 2] {
+        let Size { width, height } = self.header.size;
+        [f64::from(width), f64::from(height)]
+    }
+
+    /// Collects the samples of the image in order. Calls `sample` with the stored row, the stored column, and the channel.
+    fn collect(&self, mut sample: impl FnMut(f64, f64, usize) -> Result<u8>) -> Result<Vec<u8>> {
+        let edits = self.edits;
+        let [width, height] = self.size();
+        let channels = self.header.format.channels();
+        let mut samples = Vec::new();
+        for row in 0..self.header.size.height {
+            for column in 0..self.header.size.width {
+                let texel = [f64::from(column), f64::from(row), width, height];
+                let unedited = || (self.reading.stored_row)(self.header, row as usize) as f64;
+                let stored_row = edits.value_or(Formula::StoredRow, &texel, unedited);
+                let stored_column = edits.value_or(Formula::StoredColumn, &texel, || texel[0]);
+                for channel in 0..channels {
+                    samples.push(sample(stored_row, stored_column, channel)?);
+                }
+            }
+        }
+        Ok(samples)
+    }
+
+    /// Returns the address of a value in the payload. `table` contains the number of entries, their size and the
+    /// number of bytes per index.
+    fn address_of(&self, formula: Formula, pos: [f64; 2], channel: usize, table: [f64; 3]) -> f64 {
+        let [row, x] = pos;
+        let [width, height] = self.size();
+        let [i, c] = match formula {
+            Formula::LumSample | Formula::LrgbPlane => [channel as f64, 0.0],
+            _ => coefficient_index(channel),
+        };
+        // Index of the color in a texel, or of the byte in an index.
+        let k = match formula {
+            Formula::IndexByte => channel,
+            _ => channel.saturating_sub(6),
+        };
+        let [entries, size, bytes] = table;
+        let variables = [row, x, width, height, i, c, k as f64, entries, size, bytes];
+        self.edits.value(formula, &variables, &[])
+    }
+
+    fn samples_of_blocks(&self, input: &Input) -> Result<Vec<u8>> {
+        let payload = input.rest();
+        self.collect(|row, column, channel| {
+            let formula = match self.header.format.shape() {
+                Shape::Rgb => Formula::RgbSample,
+                Shape::Lum(()) => Formula::LumSample,
+                Shape::Lrgb if channel < 6 => Formula::LrgbCoefficient,
+                Shape::Lrgb => Formula::LrgbColor,
+            };
+            let address = self.address_of(formula, [row, column], channel, [0.0; 3]);
+            element_at(payload, address).copied()
+        })
+    }
+
+    fn samples_of_table(&self, input: &mut Input) -> Result<Vec<u8>> {
+        let count = (self.reading.entry_count)(input)?;
+        let entry_size = self.header.format.entry_size();
+        let table = input.take(
+            "2.5/3",
+            "the table's entries",
+            count as u64 * entry_size as u64,
+        )?;
+        // An optional line feed after the table is not part of the payload.
+        (self.reading.after_table)(input)?;
+        let payload = [table, input.rest()].concat();
+        let (entries, size) = (count as f64, entry_size as f64);
+        let bytes = self.address_of(Formula::IndexSize, [0.0; 2], 0, [entries, size, 0.0]);
+        let layout = [entries, size, bytes];
+        let last = Cell::new((f64::NAN, f64::NAN, 0.0));
+        let index_at = |row: f64, column: f64| -> Result<f64> {
+            if last.get().0 == row && last.get().1 == column {
+                return Ok(last.get().2);
+            }
+            let stored = |k| {
+                let address = self.address_of(Formula::IndexByte, [row, column], k, layout);
+                element_at(&payload, address).copied()
+            };
+            let stored = (0..bytes as usize)
+                .map(stored)
+                .collect::<Result<Vec<u8>>>()?;
+            let digit = |k: usize| stored.get(k).map_or(0.0, |&digit| f64::from(digit));
+            let unedited = || (self.reading.index)(&stored) as f64;
+            let variables = [digit(0), digit(1), entries];
+            // The formula only applies to indices of two bytes.
+            let index = match stored.len() {
+                1 => unedited(),
+                _ => self.edits.value_or(Formula::Index, &variables, unedited),
+            };
+            // An edited index retains its fraction and its sign, so that its address is refused.
+            let entry = match index >= 0.0 && index.fract() == 0.0 {
+                true => (self.reading.entry)(index as usize, count)
+                    .ok_or_else(|| outside_data_error(0))? as f64,
+                false => index,
+            };
+            last.set((row, column, entry));
+            Ok(entry)
+        };
+        self.collect(|row, column, channel| {
+            let address = match channel < entry_size {
+                true => {
+                    let variables = [index_at(row, column)?, channel as f64, size, entries];
+                    self.edits.value(Formula::TableSample, &variables, &[])
+                }
+                false => self.address_of(Formula::TableColor, [row, column], channel, layout),
+            };
+            element_at(&payload, address).copied()
+        })
+    }
+
+    fn samples_of_planes(&self, planes: &[Vec<u8>]) -> Result<Vec<u8>> {
+        let formula = match self.header.format.channels() {
+            18 => Formula::RgbPlane,
+            _ => Formula::LrgbPlane,
+        };
+        let plane_of = |channel| {
+            let index = self.address_of(formula, [0.0; 2], channel, [0.0; 3]);
+            element_at(planes, index)
+        };
+        let planes: Vec<&Vec<u8>> = (0..planes.len()).map(plane_of).collect::<Result<_>>()?;
+        let [width, height] = self.size();
+        self.collect(|row, column, channel| {
+            let is_inside = row >= 0.0 && row < height && column >= 0.0 && column < width;
+            let address = if is_inside {
+                row * width + column
+            } else {
+                -1.0
+            };
+            element_at(planes[channel], address).copied()
+        })
+    }
+}
+
+/// Planes of a compressed file, before their rows are flipped.
+struct CompressedPlanes<'a> {
+    coded: Coded<'a>,
+    lists: &'a RawLists,
+    reading: &'a Reading,
+    edits: Edits<'a>,
+}
+
+impl CompressedPlanes<'_> {
+    fn decode<'r>(
+        &self,
+        residuals: impl Iterator<Item = (usize, &'r [u8])>,
+    ) -> Result<Vec<Vec<u8>>> {
+        let mut coded = self.coded.blank_planes();
+        let mut uncorrected = self.coded.blank_planes();
+        let mut planes = self.coded.blank_planes();
+        let mut previous = vec![0; self.coded.size.texels()];
+        for (p, residuals) in residuals {
+            let step = self.edited_step(p)?;
+            let mut plane = self.stream_samples(p, residuals, step.reference.is_some());
+            coded[p].clone_from(&plane);
+            if let Some(reference) = step.reference {
+                let sources = [
+                    &planes[reference],
+                    &uncorrected[reference],
+                    &coded[reference],
+                    &previous,
+                ];
+                let predictor = self.predictor(&sources, &step)?;
+                self.add_predictor(&mut plane, &predictor, &step);
+            }
+            uncorrected[p].clone_from(&plane);
+            self.correct(p, &mut plane, &coded[p], step.reference.is_some())?;
+            previous.clone_from(&plane);
+            planes[p] = plane;
+        }
+        Ok(planes)
+    }
+
+    fn stream_samples(&self, p: usize, residuals: &[u8], predicted: bool) -> Vec<u8> {
+        let mut samples = residuals.to_vec();
+        if self.edits.is_edited(Formula::StreamSample) {
+            for sample in &mut samples {
+                let variables = [f64::from(*sample), p as f64, f64::from(u8::from(predicted))];
+                *sample = to_byte(self.edits.value(Formula::StreamSample, &variables, &[]));
+            }
+        }
+        samples
+    }
+
+    fn edited_step(&self, p: usize) -> Result<Step> {
+        let default = self.coded.plan.steps[p];
+        if !self
+            .edits
+            .edits_any(Formula::Transform..=Formula::Reference)
+        {
+            return Ok(default);
+        }
+        let raw = self.lists;
+        let lists = [&raw.transforms, &raw.motion, &raw.references];
+        let lists = lists
+            .map(|list| -> Vec<f64> { list.iter().map(|number| number.value as f64).collect() });
+        let lists: Vec<&[f64]> = lists.iter().map(Vec::as_slice).collect();
+        let variables = [
+            p as f64,
+            self.coded.plan.steps.len() as f64,
+            lists[2][p],
+            raw.order[p].value as f64,
+        ];
+        let value = |formula| self.edits.value(formula, &variables, &lists);
+        let edited_or = |formula, default: i64| match self.edits.is_edited(formula) {
+            true => value(formula) as i64,
+            false => default,
+        };
+        let transform = value(Formula::Transform);
+        let has = |formula| self.edits.value(formula, &[transform], &[]) != 0.0;
+        let reference = edited_or(
+            Formula::Reference,
+            default.reference.map_or(-1, |plane| plane as i64),
+        );
+        if reference >= self.coded.plan.steps.len() as i64 {
+            return Err(outside_data_error(self.coded.at));
+        }
+        Ok(Step {
+            reference: usize::try_from(reference).ok(),
+            inverted: has(Formula::Inverted),
+            displaced: has(Formula::Displaced),
+            motion: (
+                edited_or(Formula::VectorX, default.motion.0),
+                edited_or(Formula::VectorY, default.motion.1),
+            ),
+        })
+    }
+
+    /// Returns the predictor of a plane. `sources` contains three versions of the reference (corrected, uncorrected, as coded)
+    /// and the previous plane.
+    fn predictor(&self, sources: &[&Vec<u8>; 4], step: &Step) -> Result<Vec<u8>> {
+        if !self.edits.edits_any(Formula::Predictor..=Formula::EdgeY) {
+            let plane = (self.reading.predictor)(sources[0], step, self.coded.size, self.reading);
+            return Ok(plane.into_owned());
+        }
+        match self.edits.change(Formula::Predictor) {
+            Some(EditedForm::Expression(expression)) => {
+                self.evaluate_planes(expression, sources, step)
+            }
+            _ => self.evaluate_planes(&Formula::Predictor.stated().expression, sources, step),
+        }
+    }
+
+    fn evaluate_planes(
+        &self,
+        expression: &Expression,
+        sources: &[&Vec<u8>; 4],
+        step: &Step,
+    ) -> Result<Vec<u8>> {
+        let inner = |inner| self.evaluate_planes(inner, sources, step);
+        match expression {
+            Expression::Variable(source) => Ok(sources[*source].clone()),
+            Expression::Call(Function::Invert, arguments) => {
+                let mut plane = inner(&arguments[0])?;
+                if step.inverted {
+                    self.invert(&mut plane);
+                }
+                Ok(plane)
+            }
+            Expression::Call(Function::Displace, arguments) => {
+                let plane = inner(&arguments[0])?;
+                if step.displaced {
+                    self.displace(&plane, step)
+                } else {
+                    Ok(plane)
+                }
+            }
+            // Any other expression is evaluated element by element.
+            _ => {
+                let value = |i: usize| {
+                    let values = sources.map(|plane| f64::from(plane[i]));
+                    to_byte(expression.value(&values, &[]))
+                };
+                Ok((0..sources[0].len()).map(value).collect())
+            }
+        }
+    }
+
+    fn invert(&self, plane: &mut [u8]) {
+        if !self.edits.is_edited(Formula::Inversion) {
+            return (self.reading.invert)(plane);
+        }
+        for value in plane {
+            let variables = [f64::from(*value)];
+            *value = to_byte(self.edits.value(Formula::Inversion, &variables, &[]));
+        }
+    }
+
+    fn displace(&self, plane: &[u8], step: &Step) -> Result<Vec<u8>> {
+        let Size { width, height } = self.coded.size;
+        let (width, height) = (f64::from(width), f64::from(height));
+        let mx = (self.reading.motion_sign)(step.motion.0) as f64;
+        let my = (self.reading.motion_sign)((self.reading.motion_vertical)(step.motion.1)) as f64;
+        let mut displaced = Vec::with_capacity(plane.len());
+        for i in 0..plane.len() {
+            let (x, y) = ((i as f64) % width, (i as f64 / width).floor());
+            let variables = [x, y, mx, my, width, height];
+            let position = |formula| (2.0 * self.edits.value(formula, &variables, &[])).floor();
+            let (x2, y2) = (position(Formula::DisplacedX), position(Formula::DisplacedY));
+            displaced.push(self.interpolate(plane, x2, y2)?);
+        }
+        Ok(displaced)
+    }
+
+    /// Returns the interpolated value at a position in half texels.
+    fn interpolate(&self, plane: &[u8], x2: f64, y2: f64) -> Result<u8> {
+        let (left, first) = ((x2 / 2.0).floor(), (y2 / 2.0).floor());
+        let (right, second) = ((x2 / 2.0).ceil(), (y2 / 2.0).ceil());
+        let sample = |x, y| self.sample_at(plane, x, y);
+        let corners = [
+            sample(left, first)?,
+            sample(right, first)?,
+            sample(left, second)?,
+            sample(right, second)?,
+        ];
+        let [a, b, c, d] = corners.map(f64::from);
+        let formula = match (left < right, first < second) {
+            (true, true) => Formula::MeanOfFour,
+            (false, false) => return Ok(corners[0]),
+            _ => Formula::MeanOfTwo,
+        };
+        if !self.edits.is_edited(formula) {
+            return Ok((self.reading.motion_half)(corners));
+        }
+        let values: &[f64] = match formula {
+            Formula::MeanOfFour => &[a, b, c, d],
+            _ => &[a, if left < right { b } else { c }],
+        };
+        Ok(to_byte(self.edits.value(formula, values, &[])))
+    }
+
+    /// Returns the sample at a position that may be outside the plane.
+    fn sample_at(&self, plane: &[u8], x: f64, y: f64) -> Result<u8> {
+        let size = self.coded.size;
+        if !self.edits.edits_any(Formula::EdgeX..=Formula::EdgeY) {
+            return Ok((self.reading.motion_border)(
+                plane, size, x as i64, y as i64,
+            ));
+        }
+        let (width, height) = (f64::from(size.width), f64::from(size.height));
+        let variables = [x, y, width, height];
+        let column = self.edits.value(Formula::EdgeX, &variables, &[]);
+        let row = self.edits.value(Formula::EdgeY, &variables, &[]);
+        element_at(plane, row * width + column).copied()
+    }
+
+    fn add_predictor(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
+        if !self.edits.is_edited(Formula::Plane) {
+            return match self.coded.coding {
+                Coding::Jpeg => (self.reading.predict)(plane, predictor),
+                Coding::JpegLs => (self.reading.predict_jpeg_ls)(plane, predictor),
+            };
+        }
+        let [inverted, moved] =
+            [step.inverted, step.displaced].map(|flag| f64::from(u8::from(flag)));
+        for (value, &predictor) in plane.iter_mut().zip(predictor) {
+            let variables = [f64::from(*value), f64::from(predictor), inverted, moved];
+            *value = to_byte(self.edits.value(Formula::Plane, &variables, &[]));
+        }
+    }
+
+    /// Applies the side information of plane `p`, whose stream decodes to `residuals`.
+    fn correct(&self, p: usize, plane: &mut [u8], residuals: &[u8], predicted: bool) -> Result<()> {
+        let edits = self.edits;
+        if !edits.edits_any(Formula::RecordCount..=Formula::Corrected) {
+            return self.coded.correct(p, plane, self.reading);
+        }
+        let block = (self.reading.side_information)(&self.coded, p);
+        let start = self.coded.at + self.coded.plan.extents[p].side.start;
+        if !edits.edits_any(Formula::RecordCount..=Formula::RecordByte) {
+            (self.reading.records)(block, start, plane.len())?;
+        }
+        let size = [block.len() as f64, self.coded.plan.parameter as f64];
+        let count = edits.value(Formula::RecordCount, &size, &[]);
+        if count.fract() != 0.0 {
+            return Err(outside_data_error(start));
+        }
+        // An edited count may be any number, but there are never more records than bytes.
+        for r in 0..(count as usize).min(block.len()) {
+            let mut bytes = [0.0; 5];
+            for (k, value) in bytes.iter_mut().enumerate() {
+                let address = edits.value(Formula::RecordByte, &[r as f64, k as f64, count], &[]);
+                *value = f64::from(*element_at(block, address)?);
+            }
+            let position = edits.value(Formula::RecordPosition, &bytes, &[]);
+            let value = bytes[4];
+            let Size { width, height } = self.coded.size;
+            let (width, height) = (f64::from(width), f64::from(height));
+            let (row, column) = ((position / width).floor(), position.rem_euclid(width));
+            let predicted = f64::from(u8::from(predicted));
+            let record = [
+                position, row, column, width, height, r as f64, value, predicted,
+            ];
+            let texel = edits.value(Formula::RecordPlace, &record, &[]);
+            let before = f64::from(*element_at(plane, texel)?);
+            let residual = f64::from(residuals[texel as usize]);
+            let correction = [value, before, residual, position, r as f64, predicted];
+            plane[texel as usize] = to_byte(edits.value(Formula::Corrected, &correction, &[]));
+        }
+        Ok(())
+    }
+}
+
+/// Computes the final values with edited formulas (2.4).
+#[must_use]
+pub fn final_values(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients {
+    let (set, planes) = (&ptm.header.scale_bias, &ptm.planes);
+    let mut coefficients = evaluate::compute_coefficients(set, planes, reading);
+    if edits.has_stage(Stage::Coefficients) {
+        let channels = planes.shape.channels();
+        let values = coefficients.values.iter_mut().zip(&planes.samples);
+        for (i, (value, &raw)) in values.enumerate() {
+            let channel = i % channels;
+            let formula = match channel < planes.shape.coefficients() {
+                true => Formula::FinalCoefficient,
+                false => Formula::FinalColor,
+            };
+            if edits.is_edited(formula) {
+                let [i, c] = coefficient_index(channel);
+                let variables = [f64::from(raw), i, c];
+                *value = edits.value(formula, &variables, &[&set.scale, &set.bias]);
+            }
+        }
+    }
+    coefficients
+}
+
+/// Computes the image under a light with edited formulas (1.0, 2.6, 2.7.3).
+#[must_use]
+pub fn image(
+    coefficients: &Coefficients,
+    lu: f64,
+    lv: f64,
+    reading: &Reading,
+    edits: Edits,
+) -> RelitImage {
+    if !edits.has_stage(Stage::Color) {
+        return evaluate::evaluate(coefficients, lu, lv, reading);
+    }
+    let (lu, lv) = (reading.light)(lu, lv);
+    let [u, v] = [Formula::LightU, Formula::LightV].map(|light| edits.value(light, &[lu, lv], &[]));
+    let polynomial = |a: &[f64]| {
+        let variables = [a[0], a[1], a[2], a[3], a[4], a[5], u, v];
+        edits.value_or(Formula::Polynomial, &variables, || {
+            (reading.polynomial)(a, u, v)
+        })
+    };
+    let color = |texel: &[f64]| match coefficients.shape {
+        Shape::Rgb => [&texel[..6], &texel[6..12], &texel[12..]].map(polynomial),
+        Shape::Lrgb => {
+            let luminance = (reading.luminance)(polynomial(&texel[..6]));
+            [texel[6], texel[7], texel[8]].map(|rgb| {
+                let unedited = || (reading.modulate)(luminance, rgb);
+                edits.value_or(Formula::Color, &[luminance, rgb], unedited)
+            })
+        }
+        Shape::Lum(matrix) => {
+            let (y, cr, cb) = (polynomial(&texel[..6]), texel[6], texel[7]);
+            if !edits.is_edited(Formula::MatrixRow) {
+                return evaluate::lum_color(&matrix, y, cr, cb, reading);
+            }
+            let row = |k| edits.value(Formula::MatrixRow, &[y, cr, cb, k], &[&matrix.0]);
+            [0.0, 1.0, 2.0].map(row)
+        }
+    };
+    let clamp = |value: f64| {
+        let clamped = edits.value_or(Formula::Rendering, &[value], || (reading.clamp)(value));
+        // A byte cannot represent NaN.
+        if clamped.is_nan() { 0.0 } else { clamped }
+    };
+    let texels = coefficients
+        .values
+        .chunks_exact(coefficients.shape.channels());
+    RelitImage {
+        size: coefficients.size,
+        values: texels.flat_map(color).map(clamp).collect(),
+    }
+}

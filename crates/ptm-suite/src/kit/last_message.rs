@@ -1,0 +1,42 @@
+//! The last message that a crashed program printed.
+
+/// Prefixes of lines that interpreters print after the message: locations, versions and hints.
+const TRAILER_PREFIXES: [&str; 4] = ["at ", "Node.js v", "note: ", "}"];
+
+/// Returns `separator`, a label and the last message on standard error, or an empty string if there is no message.
+#[must_use]
+pub fn quote_last_message(separator: &str, stderr: &str) -> String {
+    last_message(stderr).map_or(String::new(), |line| {
+        format!("{separator}last line of its standard error: {line}")
+    })
+}
+
+/// Returns the last line of standard error that looks like a message, if any.
+fn last_message(stderr: &str) -> Option<&str> {
+    let lines = stderr.lines().rev().map(str::trim_end);
+    let mut messages = lines.filter(|line| !line.is_empty());
+    let is_trailer = |line: &&str| {
+        let line = line.trim_start();
+        TRAILER_PREFIXES.iter().any(|word| line.starts_with(word))
+    };
+    messages
+        .clone()
+        .find(|line| !is_trailer(line))
+        .or(messages.next())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::last_message;
+
+    #[test]
+    fn last_message_omits_interpreter_trailers() {
+        let node = "dec.js:3\n  f();\n  ^\n\nTypeError: f is not a function\n    at main (dec.js:3:5)\n\nNode.js v20.20.2\n";
+        assert_eq!(last_message(node), Some("TypeError: f is not a function"));
+        let python =
+            "Traceback (most recent call last):\n  File \"d.py\", line 1\nValueError: bad\n";
+        assert_eq!(last_message(python), Some("ValueError: bad"));
+        assert_eq!(last_message("\n"), None);
+        assert_eq!(last_message("note: this is all"), Some("note: this is all"));
+    }
+}

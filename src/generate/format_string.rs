@@ -1,9 +1,0 @@
-//! §2.2 Format String
-
-use super::{output::Output, spelling::Line};
-use crate::ptm::Format;
-
-pub(super) fn write(format: Format, out: &mut Output) {
-    out.token("2.2/1", "format", format.name());
-    out.line_end(Line::Format);
-}
