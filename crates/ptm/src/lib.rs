@@ -7,13 +7,13 @@
     )
 )]
 
-/// The types, and the glossary.
+// The types, and the glossary.
 pub mod types;
 
-/// The fault, the violated clause and the byte offset.
+// The fault, the violated clause and the byte offset.
 pub mod error;
 
-/// JPEG and JPEG-LS, the standards that PTM uses for planes.
+// JPEG and JPEG-LS, the standards that PTM uses for planes.
 pub mod codec;
 
 // The decoder: the decisions that the text leaves to it (`reading`), the arguments of these decisions (`parts`, `input`), bytes →

@@ -8,7 +8,7 @@ use crate::dissection::{Dissection, Role};
 /// Finding about a file, in the form that is written to YAML and JSON.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
 pub struct Diagnostic {
-    /// Id of the [`Code`](super::codes::Code), such as `PTM-E001`.
+    /// Id of the [`Code`], such as `PTM-E001`.
     pub code: &'static str,
     /// Severity of the finding.
     pub severity: Severity,
