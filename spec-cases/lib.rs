@@ -14,6 +14,9 @@ macro_rules! files {
     };
 }
 
+/// The description of these files.
+pub const README: &str = include_str!("README.md");
+
 /// The cases of the PTM suite, in the order of the specification.
 pub const CASES: Files = files![
     "cases": "first.yaml", "header.yaml", "scale-bias.yaml", "lookup-table.yaml", "color-matrix.yaml", "texels.yaml",
@@ -75,6 +78,9 @@ pub const SITE_TEXTS: &str = include_str!("site/texts.yaml");
 /// The suite for stages of the texture mapping table.
 pub mod texture {
     use super::Files;
+
+    /// The description of these files.
+    pub const README: &str = include_str!("texture/README.md");
 
     /// Cases, in the order of the chapter.
     pub const CASES: Files = files![

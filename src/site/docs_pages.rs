@@ -26,8 +26,12 @@ const DOCUMENTS: &[(&str, &str, &str)] = &[
     document!("docs/scale.md", "scale"),
     document!("docs/texture.md", "texture"),
     document!("docs/site.md", "site"),
-    document!("spec-cases/README.md", "spec-cases"),
-    document!("spec-cases/texture/README.md", "spec-cases-texture"),
+    ("spec-cases/README.md", "spec-cases", ptm_spec_cases::README),
+    (
+        "spec-cases/texture/README.md",
+        "spec-cases-texture",
+        ptm_spec_cases::texture::README,
+    ),
     document!("CONTRIBUTING.md", "contributing"),
     document!("CHANGELOG.md", "changelog"),
 ];
