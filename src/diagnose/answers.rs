@@ -7,7 +7,7 @@ use super::tuning::{MAX_SAMPLE, MIN_SUPPORT, ROUNDING_SLACK};
 use super::witness::{Witness, can_affect_file, equal_up_to_rounding, is_after_decoding};
 use crate::session::observation::Response;
 use ptm::Ptm;
-use ptm_mistakes::{Hook, Misreading, Stage};
+use ptm_mistakes::{Change, Misreading, Stage};
 use ptm_suite::kit::parallel::map_in_parallel;
 use ptm_suite::protocol::frame::{Answer, Samples, View};
 
@@ -86,10 +86,9 @@ impl Witness<'_> {
     pub fn refuses_positions(&self, mistakes: &[&Mistake]) -> bool {
         let mut readers = mistakes.iter().filter_map(|mistake| {
             let misreading = mistake.misreading;
-            match misreading.step {
-                Hook::Records(read) if POSITION_CLAUSES.contains(&misreading.clause) => Some(read),
-                _ => None,
-            }
+            let reads_records = misreading.step.is_some_and(|step| step.name == "records");
+            (reads_records && POSITION_CLAUSES.contains(&misreading.clause))
+                .then(|| ptm_mistakes::apply_to_reading(&[misreading], self.reading).records)
         });
         if !matches!(self.observation.response, Response::Rejected) {
             return false;
@@ -121,19 +120,19 @@ impl Witness<'_> {
             View::Coef => Stage::Coefficients,
             View::Rgb(_) => Stage::Color,
         };
-        let is_used = match misreading.step {
-            Hook::Edits(edits) => edits
+        let is_used = match misreading.change {
+            Change::Edits(edits) => edits
                 .iter()
                 .any(|edit| edit.formula.is_used_by(self.case.format())),
             _ => can_affect_file(misreading, &self.built.file),
         };
-        is_used && misreading.step.stage() <= last && mistake.scope.contains(self)
+        is_used && misreading.stage() <= last && mistake.scope.contains(self)
     }
 
     /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a refusal.
     pub fn can_explain(&self, mistake: &Mistake) -> bool {
         let refused = !matches!(self.observation.response, Response::Image { .. });
-        self.can_affect(mistake) && (!refused || mistake.misreading.step.may_refuse())
+        self.can_affect(mistake) && (!refused || mistake.misreading.may_refuse())
     }
 }
 

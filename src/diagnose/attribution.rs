@@ -14,7 +14,7 @@ use super::words::{acceptances, differences, formats_phrase};
 use crate::session::observation::Response;
 use ptm::Format;
 use ptm_mistakes::formula::EditedForm;
-use ptm_mistakes::{Hook, Misreading, Stage, Symptom};
+use ptm_mistakes::{Change, Misreading, Stage, Symptom};
 use ptm_suite::cases::Expect;
 use ptm_suite::protocol::frame::{Answer, ProcessEnd};
 
@@ -291,8 +291,8 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share, left: &[usiz
             }
         }
     };
-    let (effect, fix) = match (mistake.catalog_misreading(), misreading.step) {
-        (None, Hook::Edits([edit])) => {
+    let (effect, fix) = match (mistake.catalog_misreading(), misreading.change) {
+        (None, Change::Edits([edit])) => {
             let (value, stated) = (edit.formula.stated().result, edit.stated_text());
             let computes = edit.edited_text();
             match edit.change {
@@ -350,7 +350,7 @@ fn needed_mistakes(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
 fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
     let (witness, mistake) = (&search.witnesses[w], &search.mistakes[member]);
     mistake.channels != ChannelSubset::All
-        && mistake.misreading.step.stage() < Stage::Color
+        && mistake.misreading.stage() < Stage::Color
         && witness.is_rgb()
         && witness.can_affect(mistake)
         && FailureMode::new(witness).is_none()

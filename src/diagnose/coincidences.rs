@@ -146,7 +146,7 @@ fn is_stray(
 fn is_rare(search: &Search, set: &MistakeSet, id: MistakeId, evidence: &FailureEvidence) -> bool {
     let (images, far) = (evidence.images, evidence.not_closer);
     let is_thorough = is_nearly_all(images, images + evidence.other_images);
-    let is_color_only = search.mistakes[id].misreading.step.stage() == Stage::Color;
+    let is_color_only = search.mistakes[id].misreading.stage() == Stage::Color;
     let is_refuted =
         || !search.refuting_files(&[id]).is_empty() && !search.refuting_files(set).is_empty();
     images > 0

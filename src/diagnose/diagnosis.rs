@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use super::{tuning::is_most, witness::Witness};
 use ptm::Format;
-use ptm_mistakes::{Hook, Misreading};
+use ptm_mistakes::{Change, Misreading};
 
 /// A cause and the cases that it explains.
-pub struct Diagnosis<A: 'static = Hook> {
+pub struct Diagnosis<A: 'static = Change> {
     /// The cause.
     pub cause: Cause<A>,
     /// Suite indices of the failing cases that the cause reproduces.
@@ -25,7 +25,7 @@ pub struct Diagnosis<A: 'static = Hook> {
 }
 
 /// The result of a search for causes.
-pub struct Causes<A: 'static = Hook> {
+pub struct Causes<A: 'static = Change> {
     /// Diagnoses, sorted by the number of failures that they explain, in descending order.
     pub diagnoses: Vec<Diagnosis<A>>,
     /// Messages of panics during the search. Each indicates a bug in this program that may hide a cause.
@@ -48,7 +48,7 @@ impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
 }
 
 /// A cause of failures.
-pub enum Cause<A: 'static = Hook> {
+pub enum Cause<A: 'static = Change> {
     /// A misreading in the catalog.
     Misreading {
         /// The misreading that explains the cases.

@@ -18,7 +18,7 @@ use super::tuning::{
 use super::witness::{Agreement, explains_a_view};
 use super::words::differences::wrong_channels;
 use ptm_mistakes::formula::{EditedForm, Expression, Formula, edits};
-use ptm_mistakes::{Hook, Misreading};
+use ptm_mistakes::{Change, Misreading};
 use ptm_suite::protocol::frame::Answer;
 
 /// Misreadings for all edits of all formulas, most likely first.
@@ -75,10 +75,10 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
 fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> Vec<Mistake> {
     let used = set
         .iter()
-        .flat_map(|&id| search.mistakes[id].misreading.step.formulas());
+        .flat_map(|&id| search.mistakes[id].misreading.formulas());
     let used: Vec<Formula> = used.collect();
     let is_unused = |misreading: &&Misreading| {
-        let formulas = misreading.step.formulas();
+        let formulas = misreading.formulas();
         !formulas.iter().any(|formula| used.contains(formula))
     };
     let edits: Vec<&'static Misreading> = EDITS.iter().filter(is_unused).collect();
@@ -177,8 +177,8 @@ fn restrict(search: &Search, set: &MistakeSet, edit: &Mistake, left: &[usize]) -
 }
 
 fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
-    match mistake.misreading.step {
-        Hook::Edits([edit]) => Some(&edit.change),
+    match mistake.misreading.change {
+        Change::Edits([edit]) => Some(&edit.change),
         _ => None,
     }
 }

@@ -2,7 +2,7 @@
 
 use super::scope::FileScope;
 use ptm_mistakes::formula::Edit;
-use ptm_mistakes::{Hook, Misreading, Symptom};
+use ptm_mistakes::{Change, Misreading, Symptom};
 use ptm_suite::protocol::frame::{Answer, Samples};
 
 /// A mistake, and the files and channels that it affects.
@@ -119,6 +119,7 @@ pub(super) fn edit_as_misreading(edit: &'static Edit) -> Misreading {
         fix: "",
         symptom: Symptom::Values,
         sightings: Vec::new(),
-        step: Hook::Edits(std::slice::from_ref(edit)),
+        step: None,
+        change: Change::Edits(std::slice::from_ref(edit)),
     }
 }

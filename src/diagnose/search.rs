@@ -22,7 +22,7 @@ use super::witness::{Agreement, Witness};
 use super::words::{nondeterminism, uniform};
 use super::{mistake::Mistake, pair::partial_credit};
 use crate::session::run::Run;
-use ptm_mistakes::{Hook, Misreading};
+use ptm_mistakes::{Change, Misreading};
 use ptm_suite::cases::Expect;
 use ptm_suite::kit::parallel::map_in_parallel;
 use ptm_suite::protocol::frame::Answer;
@@ -425,13 +425,13 @@ impl<'a> Search<'a> {
 
     /// Returns true if both mistakes edit the bytes of the file, or both change the same formula.
     fn order_matters(&self, a: MistakeId, b: MistakeId) -> bool {
-        let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.step.formulas());
+        let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.formulas());
         self.edits_bytes(a) && self.edits_bytes(b)
             || one.iter().any(|formula| other.contains(formula))
     }
 
     fn edits_bytes(&self, id: MistakeId) -> bool {
-        matches!(self.mistakes[id].misreading.step, Hook::Bytes(_))
+        matches!(self.mistakes[id].misreading.change, Change::Bytes(_))
     }
 
     /// Returns the mistakes with the ids in `set`.
@@ -441,7 +441,7 @@ impl<'a> Search<'a> {
 
     /// Returns true if a decoder can make both mistakes. Two changes to the same decision exclude each other.
     fn can_combine(&self, a: MistakeId, b: MistakeId) -> bool {
-        let [a, b] = [a, b].map(|id| &self.mistakes[id].misreading.step);
+        let [a, b] = [a, b].map(|id| self.mistakes[id].misreading);
         !(a.is_decision() && a.changes_same_step(b))
     }
 

@@ -9,11 +9,12 @@ use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::session::dialect::Certainty;
 use crate::session::observation::{Observation, Response};
 use crate::session::{outcome::Outcome, run::Run};
-use ptm::decode::{Alternative, decode_as, examine_as};
+use ptm::decode::lookup_table::read_newline_separator;
+use ptm::decode::{decode_as, examine_as};
 use ptm::reading::Reading;
 use ptm::{Field, Limits, Ptm};
 use ptm_generate::Model;
-use ptm_mistakes::{Anatomy, EditedFile, Hook, Misreading, Stage};
+use ptm_mistakes::{Anatomy, Change, EditedFile, Misreading, Stage};
 use ptm_suite::cases::{Built, Case, Expect, Suite};
 use ptm_suite::choices::CHOICES;
 use ptm_suite::compare::{Expected, is_close};
@@ -160,7 +161,7 @@ impl Witness<'_> {
                 Err(_) => Cow::Borrowed(self.correct_answer()),
             };
         }
-        let Hook::Bytes(edit) = first.step else {
+        let Change::Bytes(edit) = first.change else {
             return Cow::Owned(self.answer_to_file(mistakes, &self.built.file));
         };
         match edit(&self.anatomy()) {
@@ -396,7 +397,7 @@ impl Witness<'_> {
 }
 
 pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
-    misreading.step.stage() >= Stage::Planes
+    misreading.stage() >= Stage::Planes
 }
 
 /// Returns the reference's choices, or `None` if the choices inferred for the decoder are the same. If the decoder expects a line
@@ -405,15 +406,15 @@ pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
     let judgment = &run.judgment;
     let mut choices = judgment.dialect.0.iter().zip(&judgment.certainties);
     let is_other = choices.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
-    let reading = match run.table.newline {
-        true if is_other => Reading::SPEC.with_alternative(Alternative::NewlineAfterTable),
-        newline if newline || is_other => Reading::SPEC,
-        _ => return None,
-    };
-    Some(Reading {
-        stream: decode_stream_cached,
-        ..reading
-    })
+    if !is_other && !run.table.newline {
+        return None;
+    }
+    let mut reading = Reading::SPEC;
+    reading.stream = decode_stream_cached;
+    if is_other && run.table.newline {
+        reading.after_table = read_newline_separator;
+    }
+    Some(reading)
 }
 
 /// Returns the choices that were inferred for the decoder.
@@ -424,15 +425,12 @@ pub fn dialect_reading(run: &Run) -> Reading {
         Certainty::Open => 0,
         _ => reading,
     });
-    let reading = CHOICES.apply(&Dialect(settled.collect()), Reading::SPEC);
-    let reading = match run.table.newline {
-        true => reading.with_alternative(Alternative::NewlineAfterTable),
-        false => reading,
-    };
-    Reading {
-        stream: decode_stream_cached,
-        ..reading
+    let mut reading = CHOICES.apply(&Dialect(settled.collect()), Reading::SPEC);
+    reading.stream = decode_stream_cached;
+    if run.table.newline {
+        reading.after_table = read_newline_separator;
     }
+    reading
 }
 
 /// Returns true if the misreading can affect the file. The clause of the misreading may apply only to files with a table, a
@@ -442,7 +440,7 @@ pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
     let format = &file[..file.len().min(64)];
     let has = |word: &[u8]| format.windows(word.len()).any(|bytes| bytes == word);
     let section = |name: &str| misreading.clause.starts_with(name);
-    if !has(b"PTM_FORMAT_") || matches!(misreading.step, Hook::Bytes(_)) {
+    if !has(b"PTM_FORMAT_") || matches!(misreading.change, Change::Bytes(_)) {
         true
     } else if section("2.9") {
         has(b"RMAT_JPEG")
@@ -458,7 +456,7 @@ pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
 /// Returns true if a decoder can make both mistakes, that is, if they affect different steps or different decisions.
 #[must_use]
 pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
-    !a.step.changes_same_step(&b.step)
+    !a.changes_same_step(b)
 }
 
 /// Returns true if, in some view, `explained` contains nearly all of the `changed` cases (see [`is_nearly_all`]).

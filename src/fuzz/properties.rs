@@ -14,7 +14,8 @@ use crate::fuzz::draft::Draft;
 use crate::runner::run::{Reply, Request};
 use crate::session::{plan::RunPlan, run::check};
 use ptm::codec::{jpeg, jpeg_ls};
-use ptm::decode::{Alternative, decode, decode_as, fields};
+use ptm::decode::lookup_table::read_newline_separator;
+use ptm::decode::{decode, decode_as, fields};
 use ptm::evaluate::{compute_coefficients, evaluate};
 use ptm::reading::Reading;
 use ptm::{Coding, Limits, Planes};
@@ -38,11 +39,11 @@ const MAX_MEMORY: usize = 1 << 24;
 pub fn file(bytes: &[u8]) {
     let limits = Limits { memory: MAX_MEMORY };
     // Use the first, second and third reading of every choice, or the last reading if there are fewer.
-    let [first, second, third] = [0, 1, 2].map(|n| {
+    let [first, mut second, third] = [0, 1, 2].map(|n| {
         let pick = |choice: &Choice<Reading>| n.min(choice.readings.len() - 1);
         CHOICES.apply(&Dialect(CHOICES.iter().map(pick).collect()), Reading::SPEC)
     });
-    let second = second.with_alternative(Alternative::NewlineAfterTable);
+    second.after_table = read_newline_separator;
     for reading in [first, second, third] {
         match decode_as(bytes, &reading, &limits) {
             Ok(ptm) => {

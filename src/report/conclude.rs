@@ -101,7 +101,7 @@ mod tests {
     use super::*;
     use crate::runner::run::{Reply, Request};
     use crate::session::run::check;
-    use ptm_mistakes::Hook;
+    use ptm_mistakes::Change;
     use ptm_suite::protocol::frame::Answer;
 
     #[test]
@@ -113,7 +113,7 @@ mod tests {
         let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
         let report = Report::new(&suite, &run, &["decoder".to_owned()], Vec::new());
         let verdicts = report.clone();
-        let report = add_causes::<_, Hook>(&suite, &run, report, |_| panic!("index 3 of 2"));
+        let report = add_causes::<_, Change>(&suite, &run, report, |_| panic!("index 3 of 2"));
         assert_eq!(report.cases, verdicts.cases);
         assert_eq!(report.verdict, verdicts.verdict);
         assert_eq!(report.diagnoses, []);

@@ -6,8 +6,8 @@ use crate::diagnose::{self, Causes};
 use crate::report::{document::FollowedReading, html::evidence, leniency::passing_case_ids};
 use crate::session::run::{Run, Session};
 use crate::session::{contact::Contact, observation::Observation, transform};
+use ptm_mistakes::Misreading;
 use ptm_mistakes::texture::Change;
-use ptm_mistakes::{Hook, Misreading};
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::clauses::{self, Clause, Ruling};
 use ptm_suite::features::Feature;
@@ -77,7 +77,7 @@ pub fn find_misreadings(slugs: &[String]) -> Result<Vec<&'static Misreading>, St
 impl Reportable for Case {
     const SUITE: SuiteName = SuiteName::Ptm;
 
-    type MisreadingPoint = Hook;
+    type MisreadingPoint = ptm_mistakes::Change;
 
     fn suite() -> Result<Suite, String> {
         Suite::load()

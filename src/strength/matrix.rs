@@ -9,15 +9,15 @@ use crate::runner::run::Request;
 use crate::session::run::{Run, check};
 use crate::session::{outcome::Outcome, plan::RunPlan};
 use ptm::reading::Reading;
+use ptm_mistakes::Misreading;
 use ptm_mistakes::texture::Change;
-use ptm_mistakes::{Hook, Misreading};
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::protocol::frame::{Answer, Frame};
 use ptm_suite::{test_case::TestCase, texture::cases::TextureCase};
 use ptm_texture::Rules;
 
 /// Results of a suite for a decoder with one mistake.
-pub struct MatrixRow<A: 'static = Hook> {
+pub struct MatrixRow<A: 'static = ptm_mistakes::Change> {
     /// Mistake of the decoder.
     pub misreading: &'static Misreading<A>,
     /// Indices of the failing cases, in suite order.

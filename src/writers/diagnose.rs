@@ -128,8 +128,9 @@ fn single_mistakes(
     let screen = smallest_attempts(attempts, failing);
     let candidate = |i: usize| {
         let mistake = mistakes[i];
-        let explains = |a: &Attempt| explains(&a.request, &a.reference_file, &a.file, mistake.step);
-        let contradicts = |a: &Attempt| misreads_right_file(a, &[mistake.step]);
+        let explains =
+            |a: &Attempt| explains(&a.request, &a.reference_file, &a.file, mistake.change);
+        let contradicts = |a: &Attempt| misreads_right_file(a, &[mistake.change]);
         if !screen.iter().any(|attempt| explains(attempt)) {
             return None;
         }
@@ -151,14 +152,14 @@ fn mistake_pairs(
 ) -> Vec<CoverCandidate<(&'static WriterMistake, &'static WriterMistake)>> {
     let mistakes: Vec<&'static WriterMistake> = writing::all().collect();
     let explains = |Attempt { request, file, .. }: &Attempt, pair: [&WriterMistake; 2]| {
-        is_right_only_with(request, file, &pair.map(|mistake| mistake.step))
+        is_right_only_with(request, file, &pair.map(|mistake| mistake.change))
     };
     let pair = |attempt: &Attempt| {
         let with_first = |i: usize| {
             let first = mistakes[i];
             let mut seconds = mistakes[i + 1..].iter().copied();
             let second = seconds.find(|second| {
-                can_combine(first.step, second.step) && explains(attempt, [first, second])
+                can_combine(first.change, second.change) && explains(attempt, [first, second])
             });
             second.map(|second| (first, second))
         };
@@ -167,7 +168,7 @@ fn mistake_pairs(
         let is_explained = |attempt: &Attempt| explains(attempt, [first, second]);
         let explains = |index: usize| attempts.get(&index).is_some_and(is_explained);
         let is_misread =
-            |attempt: &Attempt| misreads_right_file(attempt, &[first.step, second.step]);
+            |attempt: &Attempt| misreads_right_file(attempt, &[first.change, second.change]);
         let contradicts = |index: usize| attempts.get(&index).is_some_and(is_misread);
         CoverCandidate::new((first, second), failing, explains, passing, contradicts)
             .filter(|pair| pair.contradicted.is_empty() && 4 * pair.explains.len() >= failing.len())

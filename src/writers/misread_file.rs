@@ -10,7 +10,7 @@ use ptm::reading::Reading;
 use ptm::{Ptm, ScaleBias, Shape};
 use ptm_mistakes::formula::{self, Edit, Edits};
 use ptm_mistakes::{
-    Anatomy, EditedFile, Hook, Misreading, Stage, formula_edits, plane_edits, read,
+    Anatomy, Change, EditedFile, Misreading, Stage, formula_edits, plane_edits, read,
 };
 use ptm_suite::protocol::frame::{Samples, View};
 
@@ -53,7 +53,7 @@ fn contains_misread_values(right: &[u8], file: &[u8], mistake: &Misreading) -> b
         return biases.count() == 6;
     }
     // Applying a decoding mistake twice undoes it.
-    mistake.step.stage() != Stage::Decoding
+    mistake.stage() != Stage::Decoding
         && requires_mistakes(right, &[mistake], |seen| seen.has_values_of(file))
 }
 
@@ -77,8 +77,8 @@ fn requires_mistakes(
 
 /// Returns the bytes that a reader with this mistake sees instead of the file, or `None` if the mistake does not change bytes.
 pub(super) fn edit_bytes(file: &[u8], mistake: &Misreading) -> Option<Vec<u8>> {
-    match mistake.step {
-        Hook::Bytes(edit) => match edit(&Anatomy::new(file, &Reading::SPEC)) {
+    match mistake.change {
+        Change::Bytes(edit) => match edit(&Anatomy::new(file, &Reading::SPEC)) {
             EditedFile::File(bytes) => Some(bytes),
             EditedFile::Refused => None,
         },
@@ -98,7 +98,7 @@ impl MisreadFile {
         for edit in plane_edits(mistakes) {
             edit(&mut ptm);
         }
-        let stages = mistakes.iter().map(|mistake| mistake.step.stage());
+        let stages = mistakes.iter().map(|mistake| mistake.stage());
         Some(MisreadFile {
             reading,
             edits: formula_edits(mistakes),

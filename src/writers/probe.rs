@@ -57,7 +57,7 @@ fn check_file(list: &mut Checklist, case: &WriterCase, file: &WrittenFile) {
         Err(fault) => fault,
     };
     let right = write_requested_file(&request).unwrap_or_default();
-    let mistake = writing::all().find(|m| explains(&request, &right, &file.0, m.step));
+    let mistake = writing::all().find(|m| explains(&request, &right, &file.0, m.change));
     let next = match mistake.map(|mistake| (mistake.effect, mistake.fix)) {
         Some((effect, fix)) => format!("a writer that {effect} would produce this file: {fix}"),
         None => format!("clause {}: ptm-conform explain {0}", fault.clause),

@@ -6,7 +6,7 @@ use ptm_conform::runner::run::{Reply, Request};
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::{Run, check};
 use ptm_mistakes::formula::Edit;
-use ptm_mistakes::{Hook, Misreading, Symptom};
+use ptm_mistakes::{Change, Misreading, Symptom};
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::protocol::frame::Answer;
 
@@ -36,11 +36,6 @@ pub fn misreading(slug: &str) -> &'static Misreading {
 
 /// Returns a misreading that applies these edits to formulas.
 pub fn formula_misreading(edits: Vec<Edit>) -> Misreading {
-    step_misreading(Hook::Edits(edits.leak()))
-}
-
-/// Returns a misreading that changes one step.
-pub fn step_misreading(step: Hook) -> Misreading {
     Misreading {
         slug: "none",
         clause: "1.0/1",
@@ -50,7 +45,8 @@ pub fn step_misreading(step: Hook) -> Misreading {
         fix: "",
         symptom: Symptom::Values,
         sightings: Vec::new(),
-        step,
+        step: None,
+        change: Change::Edits(edits.leak()),
     }
 }
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::anatomy::{Anatomy, EditedFile};
-use super::{hook::Hook, misreading::Misreading};
+use super::{change::Change, misreading::Misreading};
 use crate::formula::{self, Edit, Edits};
 use ptm::Ptm;
 use ptm::error::{Class, Error};
@@ -40,7 +40,7 @@ pub fn read(
     let reading = apply_to_reading(misreadings, reading);
     let mut bytes = Cow::Borrowed(file);
     for misreading in misreadings {
-        if let Hook::Bytes(edit) = misreading.step {
+        if let Change::Bytes(edit) = misreading.change {
             match edit(&Anatomy::new(&bytes, &reading)) {
                 EditedFile::Refused => return Err(None),
                 EditedFile::File(edited) => bytes = Cow::Owned(edited),
@@ -52,21 +52,22 @@ pub fn read(
     Ok((ptm, reading))
 }
 
-/// Returns the reading of a decoder that follows `reading` except for these mistakes.
+/// Returns `reading` with the decisions of a decoder with these mistakes.
 #[must_use]
-pub fn apply_to_reading(misreadings: &[&Misreading], reading: Reading) -> Reading {
-    misreadings.iter().fold(reading, |reading, misreading| {
-        misreading.step.apply_to(reading)
-    })
+pub fn apply_to_reading(misreadings: &[&Misreading], mut reading: Reading) -> Reading {
+    for misreading in misreadings {
+        if let Change::Reading(change) = misreading.change {
+            change(&mut reading);
+        }
+    }
+    reading
 }
 
 /// Renders a decoded map as a decoder with these mistakes would. `reading` must already include them.
 #[must_use]
 pub fn render(misreadings: &[&Misreading], reading: &Reading, ptm: &Ptm, view: &View) -> Answer {
-    let (ptm, edits) = (
-        with_plane_edits(misreadings, ptm),
-        formula_edits(misreadings),
-    );
+    let ptm = with_plane_edits(misreadings, ptm);
+    let edits = formula_edits(misreadings);
     Answer::Decoded(formula::render(&ptm, view, reading, Edits(&edits)))
 }
 
@@ -79,10 +80,8 @@ pub fn unrounded_values(
     ptm: &Ptm,
     view: &View,
 ) -> Vec<f64> {
-    let (ptm, edits) = (
-        with_plane_edits(misreadings, ptm),
-        formula_edits(misreadings),
-    );
+    let ptm = with_plane_edits(misreadings, ptm);
+    let edits = formula_edits(misreadings);
     formula::values(&ptm, view, reading, Edits(&edits))
 }
 
@@ -100,8 +99,8 @@ pub fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
     let edits = misreadings
         .iter()
         .rev()
-        .filter_map(|misreading| match misreading.step {
-            Hook::Edits(edits) => Some(edits),
+        .filter_map(|misreading| match misreading.change {
+            Change::Edits(edits) => Some(edits),
             _ => None,
         });
     edits.flatten().collect()
@@ -111,8 +110,8 @@ pub fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {
 pub fn plane_edits(misreadings: &[&Misreading]) -> impl Iterator<Item = fn(&mut Ptm)> {
     misreadings
         .iter()
-        .filter_map(|misreading| match misreading.step {
-            Hook::Planes(edit) => Some(edit),
+        .filter_map(|misreading| match misreading.change {
+            Change::Map(edit) => Some(edit),
             _ => None,
         })
 }

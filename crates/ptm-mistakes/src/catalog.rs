@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use super::hook::Hook;
+use super::change::Change;
 use super::misreading::{Misreading, load_catalog};
 use super::{
     buffers, codecs, header, layout, lists, lookup, luminance, motion, places, prediction,
@@ -12,22 +12,22 @@ use super::{
 /// The catalog, loaded on first use.
 static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     let sections = [
-        header::STEPS,
-        buffers::STEPS,
-        lookup::STEPS,
-        luminance::STEPS,
-        layout::STEPS,
-        lists::STEPS,
-        transforms::STEPS,
-        motion::STEPS,
-        prediction::STEPS,
-        places::STEPS,
-        side_information::STEPS,
-        codecs::STEPS,
+        header::CHANGES,
+        buffers::CHANGES,
+        lookup::CHANGES,
+        luminance::CHANGES,
+        layout::CHANGES,
+        lists::CHANGES,
+        transforms::CHANGES,
+        motion::CHANGES,
+        prediction::CHANGES,
+        places::CHANGES,
+        side_information::CHANGES,
+        codecs::CHANGES,
     ];
     let yaml = ptm_spec_cases::MISREADINGS;
-    let step_of = |slug: &str| sections.iter().find_map(|step_of| step_of(slug));
-    load_catalog(yaml, step_of, |edits| Some(Hook::Edits(edits)))
+    let change_of = |slug: &str| sections.iter().find_map(|changes| changes(slug));
+    load_catalog(yaml, change_of, |edits| Some(Change::Edits(edits)))
         .unwrap_or_else(|error| unreachable!("invalid embedded misreadings.yaml: {error}"))
 });
 

@@ -1,6 +1,6 @@
 //! §2.9.8: mistakes in decoding the streams of planes, and in the order of rows
 
-use super::hook::{Hook, Steps};
+use super::change::{Change, Changes};
 use super::layout::{flip_rows, top_row_first};
 use ptm::Coding::{self, Jpeg, JpegLs};
 use ptm::Size;
@@ -11,174 +11,219 @@ use ptm::reading::Reading;
 
 type PlaneSamples = Result<Vec<u8>>;
 
-pub const STEPS: Steps = |slug| {
-    Some(match slug {
+pub const CHANGES: Changes = |slug| {
+    let change: fn(&mut Reading) = match slug {
         // Rows
         "compressed-rows-top-down" => {
-            Hook::StoredRow(|header, row| top_row_first(&[Jpeg, JpegLs], header, row))
+            |r| r.stored_row = |header, row| top_row_first(&[Jpeg, JpegLs], header, row)
         }
-        "jpeg-rows-top-down" => Hook::StoredRow(|header, row| top_row_first(&[Jpeg], header, row)),
+        "jpeg-rows-top-down" => {
+            |r| r.stored_row = |header, row| top_row_first(&[Jpeg], header, row)
+        }
         "jpeg-ls-rows-top-down" => {
-            Hook::StoredRow(|header, row| top_row_first(&[JpegLs], header, row))
+            |r| r.stored_row = |header, row| top_row_first(&[JpegLs], header, row)
         }
-        "compressed-colors-top-down" => Hook::Planes(|ptm| {
-            if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 9 {
-                flip_rows(ptm, 6..9);
-            }
-        }),
-        "compressed-green-and-blue-top-down" => Hook::Planes(|ptm| {
-            if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 18 {
-                flip_rows(ptm, 6..18);
-            }
-        }),
+        "compressed-colors-top-down" => {
+            return Some(Change::Map(|ptm| {
+                if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 9 {
+                    flip_rows(ptm, 6..9);
+                }
+            }));
+        }
+        "compressed-green-and-blue-top-down" => {
+            return Some(Change::Map(|ptm| {
+                if ptm.header.format.coding().is_some() && ptm.header.format.channels() == 18 {
+                    flip_rows(ptm, 6..18);
+                }
+            }));
+        }
         // Samples
-        "jpeg-rows-padded-to-4" => Hook::Stream(|plane| decode_with_padded_rows(plane, 4)),
-        "jpeg-rows-padded-to-8" => Hook::Stream(|plane| decode_with_padded_rows(plane, 8)),
-        "compressed-columns-mirrored" => Hook::Stream(|plane| {
-            let mut samples = planes::decode_stream(plane)?;
-            let rows = samples.chunks_exact_mut(plane.size.width as usize);
-            rows.for_each(<[u8]>::reverse);
-            Ok(samples)
-        }),
-        "jpeg-studio-range" => Hook::Stream(|plane| {
-            decode_and_map(plane, |value| {
-                ((i32::from(value) - 16) * 255 / 219).clamp(0, 255) as u8
-            })
-        }),
-        "jpeg-studio-range-made" => Hook::Stream(|plane| {
-            decode_and_map(plane, |value| (u16::from(value) * 219 / 255 + 16) as u8)
-        }),
+        "jpeg-rows-padded-to-4" => |r| r.stream = |plane| decode_with_padded_rows(plane, 4),
+        "jpeg-rows-padded-to-8" => |r| r.stream = |plane| decode_with_padded_rows(plane, 8),
+        "compressed-columns-mirrored" => |r| {
+            r.stream = |plane| {
+                let mut samples = planes::decode_stream(plane)?;
+                let rows = samples.chunks_exact_mut(plane.size.width as usize);
+                rows.for_each(<[u8]>::reverse);
+                Ok(samples)
+            };
+        },
+        "jpeg-studio-range" => |r| {
+            r.stream = |plane| {
+                decode_and_map(plane, |value| {
+                    ((i32::from(value) - 16) * 255 / 219).clamp(0, 255) as u8
+                })
+            };
+        },
+        "jpeg-studio-range-made" => |r| {
+            r.stream =
+                |plane| decode_and_map(plane, |value| (u16::from(value) * 219 / 255 + 16) as u8);
+        },
         "jpeg-without-level-shift" => {
-            Hook::Stream(|plane| decode_and_map(plane, |value| value.saturating_sub(128)))
+            |r| r.stream = |plane| decode_and_map(plane, |value| value.saturating_sub(128))
         }
-        "jpeg-gamma" => Hook::Stream(|plane| {
-            // A square root resembles color management, and is exact on every machine.
-            decode_and_map(plane, |value| (u16::from(value) * 255).isqrt() as u8)
-        }),
-        "jpeg-low-bit-lost" => Hook::Stream(|plane| decode_and_map(plane, |value| value & 0xFE)),
+        "jpeg-gamma" => |r| {
+            r.stream = |plane| {
+                // A square root resembles color management, and is exact on every machine.
+                decode_and_map(plane, |value| (u16::from(value) * 255).isqrt() as u8)
+            };
+        },
+        "jpeg-low-bit-lost" => |r| r.stream = |plane| decode_and_map(plane, |value| value & 0xFE),
         // Optional features of streams
         "restart-markers-refused" => {
-            Hook::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xDD), plane))
+            |r| r.stream = |plane| decode_unless(has_marker(plane.bytes, 0xDD), plane)
         }
-        "sof1-refused" => Hook::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xC1), plane)),
-        "tables-of-16-bits-refused" => Hook::Stream(|plane| {
-            let wide = segments(plane.bytes).any(|(code, segment)| {
-                code == 0xDB && segment.first().is_some_and(|&first| first >> 4 == 1)
-            });
-            decode_unless(wide, plane)
-        }),
-        "tables-of-16-bits-cut" => Hook::Stream(|plane| {
-            decode_edited(plane, |code, segment| {
-                if let (0xDB, [16..=31, table @ ..]) = (code, segment) {
-                    for entry in table.chunks_exact_mut(2) {
-                        // A step of 0 becomes 1.
-                        entry[0] = 0;
-                        entry[1] = entry[1].max(1);
-                    }
-                }
-            })
-        }),
-        "quantisation-table-in-rows" => Hook::Stream(|plane| {
-            decode_edited(plane, |code, segment| {
-                if let (0xDB, [0..=15, table @ ..]) = (code, segment)
-                    && table.len() == 64
-                {
-                    // Entry k of the table is used for frequency k in row order, although the table is in zigzag order.
-                    let stored = table.to_vec();
-                    table.copy_from_slice(&zigzag().map(|position| stored[position]));
-                }
-            })
-        }),
-        "optimised-tables-refused" => Hook::Stream(|plane| {
-            // The tables of Annex K have 12 and 162 codes.
-            let codes = |segment: &[u8]| -> u32 {
-                let counts = segment.get(1..17).unwrap_or_default();
-                counts.iter().map(|&count| u32::from(count)).sum()
+        "sof1-refused" => {
+            |r| r.stream = |plane| decode_unless(has_marker(plane.bytes, 0xC1), plane)
+        }
+        "tables-of-16-bits-refused" => |r| {
+            r.stream = |plane| {
+                let wide = segments(plane.bytes).any(|(code, segment)| {
+                    code == 0xDB && segment.first().is_some_and(|&first| first >> 4 == 1)
+                });
+                decode_unless(wide, plane)
             };
-            let own = segments(plane.bytes)
-                .any(|(code, segment)| code == 0xC4 && ![12, 162, 174].contains(&codes(segment)));
-            decode_unless(own, plane)
-        }),
-        "sampling-factors-refused" => Hook::Stream(|plane| {
-            let factors = segments(plane.bytes).any(|(code, segment)| {
-                matches!(code, 0xC0 | 0xC1) && segment.get(7).is_some_and(|&f| f != 0x11)
-            });
-            decode_unless(factors, plane)
-        }),
-        "jfif-required" => Hook::Stream(|plane| {
-            let is_jpeg = plane.coding == Coding::Jpeg;
-            decode_unless(is_jpeg && !has_marker(plane.bytes, 0xE0), plane)
-        }),
-        "one-row-refused" => Hook::Stream(|plane| {
-            let is_small = plane.size.width < 8 || plane.size.height < 8;
-            decode_unless(is_small && plane.coding == Coding::Jpeg, plane)
-        }),
+        },
+        "tables-of-16-bits-cut" => |r| {
+            r.stream = |plane| {
+                decode_edited(plane, |code, segment| {
+                    if let (0xDB, [16..=31, table @ ..]) = (code, segment) {
+                        for entry in table.chunks_exact_mut(2) {
+                            // A step of 0 becomes 1.
+                            entry[0] = 0;
+                            entry[1] = entry[1].max(1);
+                        }
+                    }
+                })
+            };
+        },
+        "quantisation-table-in-rows" => |r| {
+            r.stream = |plane| {
+                decode_edited(plane, |code, segment| {
+                    if let (0xDB, [0..=15, table @ ..]) = (code, segment)
+                        && table.len() == 64
+                    {
+                        // Entry k of the table is used for frequency k in row order, although the table is in zigzag order.
+                        let stored = table.to_vec();
+                        table.copy_from_slice(&zigzag().map(|position| stored[position]));
+                    }
+                })
+            };
+        },
+        "optimised-tables-refused" => |r| {
+            r.stream = |plane| {
+                // The tables of Annex K have 12 and 162 codes.
+                let codes = |segment: &[u8]| -> u32 {
+                    let counts = segment.get(1..17).unwrap_or_default();
+                    counts.iter().map(|&count| u32::from(count)).sum()
+                };
+                let own = segments(plane.bytes).any(|(code, segment)| {
+                    code == 0xC4 && ![12, 162, 174].contains(&codes(segment))
+                });
+                decode_unless(own, plane)
+            };
+        },
+        "sampling-factors-refused" => |r| {
+            r.stream = |plane| {
+                let factors = segments(plane.bytes).any(|(code, segment)| {
+                    matches!(code, 0xC0 | 0xC1) && segment.get(7).is_some_and(|&f| f != 0x11)
+                });
+                decode_unless(factors, plane)
+            };
+        },
+        "jfif-required" => |r| {
+            r.stream = |plane| {
+                let is_jpeg = plane.coding == Coding::Jpeg;
+                decode_unless(is_jpeg && !has_marker(plane.bytes, 0xE0), plane)
+            };
+        },
+        "one-row-refused" => |r| {
+            r.stream = |plane| {
+                let is_small = plane.size.width < 8 || plane.size.height < 8;
+                decode_unless(is_small && plane.coding == Coding::Jpeg, plane)
+            };
+        },
         // JPEG-LS parameters
-        "near-ignored" => Hook::Stream(|plane| {
-            decode_edited(plane, |code, segment| {
-                if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) = (code, segment, plane.coding) {
-                    *near = 0;
-                }
-            })
-        }),
+        "near-ignored" => |r| {
+            r.stream = |plane| {
+                decode_edited(plane, |code, segment| {
+                    if let (0xDA, [1, _, _, near, ..], Coding::JpegLs) =
+                        (code, segment, plane.coding)
+                    {
+                        *near = 0;
+                    }
+                })
+            };
+        },
         "presets-ignored" => {
-            Hook::Stream(|plane| decode_with_presets(plane, |segment| segment[1..11].fill(0)))
+            |r| r.stream = |plane| decode_with_presets(plane, |segment| segment[1..11].fill(0))
         }
         "thresholds-ignored" => {
-            Hook::Stream(|plane| decode_with_presets(plane, |segment| segment[3..9].fill(0)))
+            |r| r.stream = |plane| decode_with_presets(plane, |segment| segment[3..9].fill(0))
         }
         "reset-ignored" => {
-            Hook::Stream(|plane| decode_with_presets(plane, |segment| segment[9..11].fill(0)))
+            |r| r.stream = |plane| decode_with_presets(plane, |segment| segment[9..11].fill(0))
         }
         "presets-kept" => {
-            Hook::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xF8))
+            |r| r.reconstruct = |coded, _, reading| decode_reusing_segments(coded, reading, 0xF8)
         }
         "restart-interval-kept" => {
-            Hook::Reconstruct(|coded, _, reading| decode_reusing_segments(coded, reading, 0xDD))
+            |r| r.reconstruct = |coded, _, reading| decode_reusing_segments(coded, reading, 0xDD)
         }
         "presets-refused" => {
-            Hook::Stream(|plane| decode_unless(has_marker(plane.bytes, 0xF8), plane))
+            |r| r.stream = |plane| decode_unless(has_marker(plane.bytes, 0xF8), plane)
         }
         // Streams that must be refused
-        "plane-size-unchecked" => Hook::Stream(|plane| {
-            let mut found = segments(plane.bytes);
-            let found = found.find(|&(code, _)| matches!(code, 0xC0 | 0xC1 | 0xF7));
-            let Some((_, [_, h1, h0, w1, w0, ..])) = found else {
-                return planes::decode_stream(plane);
+        "plane-size-unchecked" => |r| {
+            r.stream = |plane| {
+                let frame_header =
+                    segments(plane.bytes).find(|(code, _)| matches!(code, 0xC0 | 0xC1 | 0xF7));
+                let Some((_, [_, h1, h0, w1, w0, ..])) = frame_header else {
+                    return planes::decode_stream(plane);
+                };
+                let size = Size {
+                    width: u16::from_be_bytes([*w1, *w0]).into(),
+                    height: u16::from_be_bytes([*h1, *h0]).into(),
+                };
+                if size.texels() > 1 << 24 {
+                    return planes::decode_stream(plane);
+                }
+                let samples = planes::decode_stream(&PlaneStream { size, ..*plane })?;
+                let mut resized = vec![0; plane.size.texels()];
+                let rows = resized.chunks_exact_mut(plane.size.width as usize);
+                for (to, from) in rows.zip(samples.chunks_exact((size.width as usize).max(1))) {
+                    to.iter_mut().zip(from).for_each(|(to, &from)| *to = from);
+                }
+                Ok(resized)
             };
-            let own = Size {
-                width: u16::from_be_bytes([*w1, *w0]).into(),
-                height: u16::from_be_bytes([*h1, *h0]).into(),
+        },
+        "empty-stream-is-a-blank-plane" => |r| {
+            r.stream = |plane| {
+                if plane.bytes.is_empty() {
+                    Ok(vec![0; plane.size.texels()])
+                } else {
+                    planes::decode_stream(plane)
+                }
             };
-            if own.texels() > 1 << 24 {
-                return planes::decode_stream(plane);
-            }
-            let size = own;
-            let samples = planes::decode_stream(&PlaneStream { size, ..*plane })?;
-            let mut resized = vec![0; plane.size.texels()];
-            let rows = resized.chunks_exact_mut(plane.size.width as usize);
-            for (to, from) in rows.zip(samples.chunks_exact((own.width as usize).max(1))) {
-                to.iter_mut().zip(from).for_each(|(to, &from)| *to = from);
-            }
-            Ok(resized)
-        }),
-        "empty-stream-is-a-blank-plane" => Hook::Stream(|plane| match plane.bytes.is_empty() {
-            true => Ok(vec![0; plane.size.texels()]),
-            false => planes::decode_stream(plane),
-        }),
-        "codec-from-the-stream" => Hook::Stream(|plane| {
-            let coding = match plane.bytes {
-                [] => plane.coding,
-                bytes if has_marker(bytes, 0xF7) => Coding::JpegLs,
-                _ => Coding::Jpeg,
+        },
+        "codec-from-the-stream" => |r| {
+            r.stream = |plane| {
+                let coding = match plane.bytes {
+                    [] => plane.coding,
+                    bytes if has_marker(bytes, 0xF7) => Coding::JpegLs,
+                    _ => Coding::Jpeg,
+                };
+                planes::decode_stream(&PlaneStream { coding, ..*plane })
             };
-            planes::decode_stream(&PlaneStream { coding, ..*plane })
-        }),
-        "broken-plane-is-blank" => Hook::Stream(|plane| {
-            Ok(planes::decode_stream(plane).unwrap_or_else(|_| vec![0; plane.size.texels()]))
-        }),
+        },
+        "broken-plane-is-blank" => |r| {
+            r.stream = |plane| {
+                Ok(planes::decode_stream(plane).unwrap_or_else(|_| vec![0; plane.size.texels()]))
+            };
+        },
         _ => return None,
-    })
+    };
+    Some(Change::Reading(change))
 };
 
 /// Decodes all planes. A stream that lacks a segment with this marker reuses the segment of the previous stream.

@@ -1,13 +1,13 @@
 //! §2.0–2.3: mistakes in reading the header, and in parsing the numbers of §2.4
 
 use super::anatomy::{ANY, Anatomy, EditedFile};
-use super::hook::{Hook, Steps};
+use super::change::{Change, Changes};
 
 const SIZE: &str = "2.3/1";
 const SCALE: &str = "2.4/3";
 const BIAS: &str = "2.4/4";
 
-pub const STEPS: Steps = |slug| {
+pub const CHANGES: Changes = |slug| {
     let edit: fn(&Anatomy) -> EditedFile = match slug {
         "greedy-whitespace" => |f| skip_payload_bytes(f, |b| matches!(b, b'\t'..=b'\r' | b' ')),
         "greedy-line-feeds" => |f| skip_payload_bytes(f, |b| b == b'\n'),
@@ -27,9 +27,12 @@ pub const STEPS: Steps = |slug| {
         "no-space-behind-scale-and-bias" => {
             |f| f.refuse_if(ends_with_space(f, SCALE, 5) || ends_with_space(f, BIAS, 5))
         }
-        "version-with-space-is-1.1" => |f| match ends_with_space(f, "2.1/1", 0) {
-            true => deinterleave_payload(f),
-            false => f.unchanged(),
+        "version-with-space-is-1.1" => |f| {
+            if ends_with_space(f, "2.1/1", 0) {
+                deinterleave_payload(f)
+            } else {
+                f.unchanged()
+            }
         },
         "payload-offset-by-line-lengths" => |f| {
             let ends = f.header().windows(2).filter(|pair| *pair == b" \n");
@@ -65,9 +68,12 @@ pub const STEPS: Steps = |slug| {
         "scale-bias-two-lines-only" => |f| f.refuse_if(!f.bytes_after(SCALE, 5).contains(&b'\n')),
         "scale-bias-one-line-only" => |f| f.refuse_if(f.bytes_after(SCALE, 5).contains(&b'\n')),
         "double-space-dies" => |f| f.refuse_if(header_contains(f, b"  ")),
-        "double-space-is-zero" => |f| match header_contains(f, b"  ") {
-            true => f.respell(&[SCALE, BIAS], |_| Some("0".to_owned())),
-            false => f.unchanged(),
+        "double-space-is-zero" => |f| {
+            if header_contains(f, b"  ") {
+                f.respell(&[SCALE, BIAS], |_| Some("0".to_owned()))
+            } else {
+                f.unchanged()
+            }
         },
         "last-number-needs-space" => |f| {
             let mut bytes = f.file.to_vec();
@@ -171,7 +177,7 @@ pub const STEPS: Steps = |slug| {
         },
         _ => return None,
     };
-    Some(Hook::Bytes(edit))
+    Some(Change::Bytes(edit))
 };
 
 fn header_contains(file: &Anatomy, bytes: &[u8]) -> bool {

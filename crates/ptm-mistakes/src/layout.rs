@@ -3,47 +3,47 @@
 use std::ops::Range;
 
 use super::anatomy::EditedFile;
-use super::hook::{Hook, Steps};
+use super::change::{Change, Changes};
 use ptm::decode::{decode, texels};
 use ptm::{Coding, Format, Header, Ptm, Storage};
 
-pub const STEPS: Steps = |slug| {
+pub const CHANGES: Changes = |slug| {
     Some(match slug {
-        "payload-reversed" => Hook::Bytes(|file| {
+        "payload-reversed" => Change::Bytes(|file| {
             let mut payload = file.payload().to_vec();
             payload.reverse();
             flip_rows_of_blocks(file.file, &mut payload);
             file.with_payload(&payload)
         }),
         "format-ignored" => {
-            Hook::Bytes(|file| file.respell(&["2.2/1"], |_| Some("PTM_FORMAT_LRGB".to_owned())))
+            Change::Bytes(|file| file.respell(&["2.2/1"], |_| Some("PTM_FORMAT_LRGB".to_owned())))
         }
-        "rgb-as-lrgb" => Hook::Bytes(|file| {
+        "rgb-as-lrgb" => Change::Bytes(|file| {
             file.respell(&["2.2/1"], |text| {
                 (text == "PTM_FORMAT_RGB").then(|| "PTM_FORMAT_LRGB".to_owned())
             })
         }),
-        "coefficients-reversed" => Hook::Planes(|ptm| for_each_polynomial(ptm, <[u8]>::reverse)),
-        "a0-last" => Hook::Planes(|ptm| for_each_polynomial(ptm, |a| a.rotate_right(1))),
-        "last-row-lost" => Hook::Planes(|ptm| {
+        "coefficients-reversed" => Change::Map(|ptm| for_each_polynomial(ptm, <[u8]>::reverse)),
+        "a0-last" => Change::Map(|ptm| for_each_polynomial(ptm, |a| a.rotate_right(1))),
+        "last-row-lost" => Change::Map(|ptm| {
             let (row, _) = row_and_channels(ptm);
             ptm.planes.samples[..row].fill(0);
         }),
-        "first-row-lost" => Hook::Planes(|ptm| {
+        "first-row-lost" => Change::Map(|ptm| {
             let (row, _) = row_and_channels(ptm);
             let start = ptm.planes.samples.len() - row;
             ptm.planes.samples[start..].fill(0);
         }),
-        "last-column-lost" => Hook::Planes(|ptm| {
+        "last-column-lost" => Change::Map(|ptm| {
             let (row, channels) = row_and_channels(ptm);
             let rows = ptm.planes.samples.chunks_exact_mut(row);
             rows.for_each(|samples| samples[row - channels..].fill(0));
         }),
-        "rows-rotated-by-one" => Hook::Planes(|ptm| {
+        "rows-rotated-by-one" => Change::Map(|ptm| {
             let (row, _) = row_and_channels(ptm);
             ptm.planes.samples.rotate_right(row);
         }),
-        "texels-counted-in-16-bits" => Hook::Planes(|ptm| {
+        "texels-counted-in-16-bits" => Change::Map(|ptm| {
             // The top rows are stored last.
             let (row, channels) = row_and_channels(ptm);
             let rows = ptm.planes.samples.chunks_exact_mut(row).rev();
@@ -54,7 +54,7 @@ pub const STEPS: Steps = |slug| {
                 texel.fill(0);
             }
         }),
-        "columns-counted-in-8-bits" => Hook::Planes(|ptm| {
+        "columns-counted-in-8-bits" => Change::Map(|ptm| {
             let (row, channels) = row_and_channels(ptm);
             for row in ptm.planes.samples.chunks_exact_mut(row) {
                 row.chunks_exact_mut(channels)
@@ -62,12 +62,12 @@ pub const STEPS: Steps = |slug| {
                     .for_each(|texel| texel.fill(0));
             }
         }),
-        "rows-counted-in-8-bits" => Hook::Planes(|ptm| {
+        "rows-counted-in-8-bits" => Change::Map(|ptm| {
             let (row, _) = row_and_channels(ptm);
             let lost = (ptm.planes.size.height as usize).saturating_sub(256) * row;
             ptm.planes.samples[..lost].fill(0);
         }),
-        "square-only" => Hook::Planes(|ptm| {
+        "square-only" => Change::Map(|ptm| {
             let (row, channels) = row_and_channels(ptm);
             let (size, samples) = (ptm.planes.size, &ptm.planes.samples);
             let stride = size.height as usize * channels;
@@ -76,7 +76,7 @@ pub const STEPS: Steps = |slug| {
                 ptm.planes.samples = (0..samples.len()).map(|i| samples[source(i)]).collect();
             }
         }),
-        "height-before-width" => Hook::Bytes(|file| {
+        "height-before-width" => Change::Bytes(|file| {
             let [Some(width), Some(height)] = [0, 1].map(|n| file.nth_field("2.3/1", n)) else {
                 return file.unchanged();
             };
@@ -86,7 +86,7 @@ pub const STEPS: Steps = |slug| {
             bytes.splice(width.clone(), file.file[height.clone()].iter().copied());
             EditedFile::File(bytes)
         }),
-        "blocks-separated" => Hook::Bytes(|file| {
+        "blocks-separated" => Change::Bytes(|file| {
             let format = file.field_texts(&["2.2/1"]);
             let (Ok(ptm), ["PTM_FORMAT_RGB" | "PTM_FORMAT_LRGB"]) =
                 (decode(file.file), &format[..])
@@ -105,7 +105,7 @@ pub const STEPS: Steps = |slug| {
             }
             EditedFile::File(bytes)
         }),
-        "trailing-bytes-are-the-end" => Hook::Bytes(|file| {
+        "trailing-bytes-are-the-end" => Change::Bytes(|file| {
             let end = file.fields.iter().map(|field| field.range.end).max();
             let extra = match (end, decode(file.file)) {
                 (Some(end), Ok(_)) => file.file.len() - end,

@@ -1,14 +1,16 @@
 #![doc = include_str!("../README.md")]
 //!
-//! A [`Misreading`] consists of data and a function. `spec-cases/misreadings.yaml` contains its slug, clause, effect and fix. The
-//! modules for the sections have one entry per slug, in the order of the YAML file, with the step ([`Hook`]) and the function.
+//! A [`Misreading`] consists of data and a [`Change`]. `spec-cases/misreadings.yaml` contains its slug, clause, effect and fix, and
+//! the step that it changes. The modules for the sections have one change per slug, in the order of the YAML file.
 //! Every function is *total*: it returns for any bytes, including the output of other misreadings, and checks every index.
 
 pub mod formula;
 
 mod misreading;
 
-mod hook;
+mod change;
+
+mod step;
 
 mod anatomy;
 
@@ -66,5 +68,6 @@ pub use answer::read;
 pub use answer::{apply_to_reading, render, unrounded_values};
 pub use answer::{formula_edits, plane_edits};
 pub use catalog::{all, behaviors, find};
-pub use hook::Hook;
+pub use change::Change;
 pub use misreading::{Misreading, Sighting, Symptom};
+pub use step::Step;

@@ -1,9 +1,9 @@
 //! §2.9 and §2.9.1: mistakes in reading lines, sizes and the compression parameter
 
 use super::anatomy::{Anatomy, EditedFile};
-use super::hook::{Hook, Steps};
+use super::change::{Change, Changes};
 
-pub const STEPS: Steps = |slug| {
+pub const CHANGES: Changes = |slug| {
     let edit: fn(&Anatomy) -> EditedFile = match slug {
         "motion-on-one-line-only" => |f| {
             let vectors = f.field_texts(&["2.9.3/1"]).len();
@@ -44,5 +44,5 @@ pub const STEPS: Steps = |slug| {
         "negative-vectors-refused" => |f| f.refuse_text(&["2.9.3/1"], |text| text.starts_with('-')),
         _ => return None,
     };
-    Some(Hook::Bytes(edit))
+    Some(Change::Bytes(edit))
 };

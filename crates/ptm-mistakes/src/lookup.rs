@@ -1,34 +1,36 @@
 //! §2.5 Lookup Table and §2.8 Lookup Table Indices: mistakes in reading tables and indices
 
 use super::anatomy::{Anatomy, EditedFile};
-use super::hook::{Hook, Steps};
+use super::change::{Change, Changes};
 use ptm::Format;
 use ptm::decode::indices::read_indices_of_width;
 
-pub const STEPS: Steps = |slug| {
+pub const CHANGES: Changes = |slug| {
     Some(match slug {
-        "lut-formats-swapped" => Hook::Bytes(|file| match file.field_texts(&["2.2/1"])[..] {
+        "lut-formats-swapped" => Change::Bytes(|file| match file.field_texts(&["2.2/1"])[..] {
             ["PTM_FORMAT_PTM_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_C_LUT"),
             ["PTM_FORMAT_PTM_C_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_LUT"),
             _ => file.unchanged(),
         }),
-        "c-lut-is-ptm-lut" => Hook::Bytes(|file| match file.field_texts(&["2.2/1"])[..] {
+        "c-lut-is-ptm-lut" => Change::Bytes(|file| match file.field_texts(&["2.2/1"])[..] {
             ["PTM_FORMAT_PTM_C_LUT"] => rename_format(file, b"PTM_FORMAT_PTM_LUT"),
             _ => file.unchanged(),
         }),
-        "table-not-read" => Hook::Bytes(|file| match table_size(file) {
+        "table-not-read" => Change::Bytes(|file| match table_size(file) {
             Some((count, size)) => {
                 file.with_payload(&[&vec![0; count * size], file.payload()].concat())
             }
             None => file.unchanged(),
         }),
-        "c-lut-with-colors-behind" => Hook::Blocks(|format| {
-            ptm::decode::texels::blocks(match format {
-                Format::PtmCLut => Format::PtmLut,
-                other => other,
-            })
+        "c-lut-with-colors-behind" => Change::Reading(|r| {
+            r.blocks = |format| {
+                ptm::decode::texels::blocks(match format {
+                    Format::PtmCLut => Format::PtmLut,
+                    other => other,
+                })
+            };
         }),
-        "table-padded-to-256" => Hook::Bytes(|file| {
+        "table-padded-to-256" => Change::Bytes(|file| {
             let Some((count @ ..256, size)) = table_size(file) else {
                 return file.unchanged();
             };
@@ -38,9 +40,9 @@ pub const STEPS: Steps = |slug| {
                 None => EditedFile::Refused,
             }
         }),
-        "table-one-entry-long" => Hook::Bytes(|file| resize_table(file, |count| count + 1)),
-        "table-one-entry-short" => Hook::Bytes(|file| resize_table(file, |count| count - 1)),
-        "table-separated" => Hook::Bytes(|file| {
+        "table-one-entry-long" => Change::Bytes(|file| resize_table(file, |count| count + 1)),
+        "table-one-entry-short" => Change::Bytes(|file| resize_table(file, |count| count - 1)),
+        "table-separated" => Change::Bytes(|file| {
             let Some((count, size)) = table_size(file) else {
                 return file.unchanged();
             };
@@ -53,25 +55,33 @@ pub const STEPS: Steps = |slug| {
             parts.push(rest);
             file.with_payload(&parts.concat())
         }),
-        "width-by-largest-index" => Hook::Indices(|table, size, input| {
-            let mut pairs = input.rest().chunks_exact(2).take(size.texels());
-            let wide = table.entries > 256 && pairs.any(|pair| pair[1] != 0);
-            read_indices_of_width(if wide { 2 } else { 1 }, size, input)
+        "width-by-largest-index" => Change::Reading(|r| {
+            r.indices = |table, size, input| {
+                let mut pairs = input.rest().chunks_exact(2).take(size.texels());
+                let wide = table.entries > 256 && pairs.any(|pair| pair[1] != 0);
+                read_indices_of_width(if wide { 2 } else { 1 }, size, input)
+            };
         }),
-        "index-signed" => Hook::Index(|stored| match stored {
-            [byte] => usize::from(*byte) | if *byte >= 128 { usize::MAX << 8 } else { 0 },
-            _ => ptm::decode::indices::little_endian(stored),
+        "index-signed" => Change::Reading(|r| {
+            r.index = |stored| match stored {
+                [byte] => usize::from(*byte) | if *byte >= 128 { usize::MAX << 8 } else { 0 },
+                _ => ptm::decode::indices::little_endian(stored),
+            };
         }),
-        "index-one-based" => {
-            Hook::Entry(|index, entries| index.checked_sub(1).filter(|&index| index < entries))
-        }
-        "index-clamped" => Hook::Entry(|index, entries| Some(index.min(entries.saturating_sub(1)))),
-        "index-wraps" => Hook::Entry(usize::checked_rem),
-        "index-past-the-table-is-0" => {
-            Hook::Entry(|index, entries| Some(if index < entries { index } else { 0 }))
-        }
-        "index-limit-off-by-one" => Hook::Entry(|index, entries| {
-            (index <= entries).then_some(if index == entries { 0 } else { index })
+        "index-one-based" => Change::Reading(|r| {
+            r.entry = |index, entries| index.checked_sub(1).filter(|&index| index < entries);
+        }),
+        "index-clamped" => Change::Reading(|r| {
+            r.entry = |index, entries| Some(index.min(entries.saturating_sub(1)));
+        }),
+        "index-wraps" => Change::Reading(|r| r.entry = usize::checked_rem),
+        "index-past-the-table-is-0" => Change::Reading(|r| {
+            r.entry = |index, entries| Some(if index < entries { index } else { 0 });
+        }),
+        "index-limit-off-by-one" => Change::Reading(|r| {
+            r.entry = |index, entries| {
+                (index <= entries).then_some(if index == entries { 0 } else { index })
+            };
         }),
         _ => return None,
     })

@@ -1,20 +1,22 @@
 //! §2.6 Color Matrix and §2.7.2 `PTM_FORMAT_LUM`: mistakes in applying the matrix and in choosing its operands
 
 use super::anatomy::EditedFile;
-use super::hook::{Hook, Steps};
+use super::change::{Change, Changes};
+use ptm::decode::color_matrix::column_major_rows;
+use ptm::evaluate;
 
-pub const STEPS: Steps = |slug| {
+pub const CHANGES: Changes = |slug| {
     Some(match slug {
-        "matrix-not-read" => Hook::Bytes(|file| {
+        "matrix-not-read" => Change::Bytes(|file| {
             let Some(start) = file.nth_field("2.6/2", 0).map(|field| field.range.start) else {
                 return file.unchanged();
             };
             file.with_payload(&file.file[start..])
         }),
         "matrix-exponent-refused" => {
-            Hook::Bytes(|file| file.refuse_text(&["2.6/2"], |text| text.contains(['e', 'E'])))
+            Change::Bytes(|file| file.refuse_text(&["2.6/2"], |text| text.contains(['e', 'E'])))
         }
-        "matrix-fifteen-elements" => Hook::Bytes(|file| {
+        "matrix-fifteen-elements" => Change::Bytes(|file| {
             let Some(start) = file.nth_field("2.6/2", 0).map(|field| field.range.start) else {
                 return file.unchanged();
             };
@@ -26,49 +28,50 @@ pub const STEPS: Steps = |slug| {
                 _ => file.unchanged(),
             }
         }),
-        "matrix-numbers-cut" => Hook::LumMatrix(|m| {
-            ptm::decode::color_matrix::column_major_rows(m).map(|row| row.map(f64::trunc))
+        "matrix-numbers-cut" => Change::Reading(|r| {
+            r.lum_matrix = |m| column_major_rows(m).map(|row| row.map(f64::trunc));
         }),
-        "matrix-transposed-but-translation" => Hook::LumMatrix(|m| {
-            [0, 1, 2].map(|row| [4 * row, 4 * row + 1, 4 * row + 2, 12 + row].map(|i| m.0[i]))
+        "matrix-transposed-but-translation" => Change::Reading(|r| {
+            r.lum_matrix = |m| {
+                [0, 1, 2].map(|row| [4 * row, 4 * row + 1, 4 * row + 2, 12 + row].map(|i| m.0[i]))
+            };
         }),
-        "matrix-ignored" => Hook::LumMatrix(|_| {
-            [0, 1, 2].map(|row| [0, 1, 2, 3].map(|i| f64::from(u8::from(row == i))))
+        "matrix-ignored" => Change::Reading(|r| {
+            r.lum_matrix =
+                |_| [0, 1, 2].map(|row| [0, 1, 2, 3].map(|i| f64::from(u8::from(row == i))));
         }),
-        "matrix-of-jfif" => Hook::LumMatrix(|_| {
-            [
-                [1.0, 1.402, 0.0, -179.456],
-                [1.0, -0.714_136, -0.344_136, 135.459],
-                [1.0, 0.0, 1.772, -226.816],
-            ]
+        "matrix-of-jfif" => Change::Reading(|r| {
+            r.lum_matrix = |_| {
+                [
+                    [1.0, 1.402, 0.0, -179.456],
+                    [1.0, -0.714_136, -0.344_136, 135.459],
+                    [1.0, 0.0, 1.772, -226.816],
+                ]
+            };
         }),
-        "colors-of-jfif-first" => Hook::LumVector(jfif_colors, jfif_colors),
-        "chroma-removed" => Hook::LumMatrix(|_| [[1.0, 0.0, 0.0, 0.0]; 3]),
-        "matrix-rows-as-blue-green-red" => Hook::LumMatrix(|m| {
-            let [red, green, blue] = ptm::decode::color_matrix::column_major_rows(m);
-            [blue, green, red]
+        "colors-of-jfif-first" => Change::Reading(|r| r.lum_vector = jfif_colors),
+        "chroma-removed" => Change::Reading(|r| r.lum_matrix = |_| [[1.0, 0.0, 0.0, 0.0]; 3]),
+        "matrix-rows-as-blue-green-red" => Change::Reading(|r| {
+            r.lum_matrix = |m| {
+                let [red, green, blue] = column_major_rows(m);
+                [blue, green, red]
+            };
         }),
-        "translation-ignored" => Hook::LumTranslation(|_| 0.0),
-        "translation-subtracted" => Hook::LumTranslation(|t| -t),
-        "chroma-centered" => Hook::LumVector(
-            |y, cr, cb| [y, cr - 128.0, cb - 128.0],
-            |y, cr, cb| [cr - 128.0, y, cb - 128.0],
-        ),
-        "chroma-signed" => Hook::LumVector(
-            |y, cr, cb| [y, as_signed_byte(cr), as_signed_byte(cb)],
-            |y, cr, cb| [as_signed_byte(cr), y, as_signed_byte(cb)],
-        ),
+        "translation-ignored" => Change::Reading(|r| r.lum_translation = |_| 0.0),
+        "translation-subtracted" => Change::Reading(|r| r.lum_translation = |t| -t),
+        "chroma-centered" => Change::Reading(|r| r.lum_chroma = evaluate::centered_lum_chroma),
+        "chroma-signed" => Change::Reading(|r| {
+            r.lum_values = |y, cr, cb| [y, as_signed_byte(cr), as_signed_byte(cb)];
+        }),
         "chroma-swapped-in-the-vector" => {
-            Hook::LumVector(|y, cr, cb| [y, cb, cr], |y, cr, cb| [cb, y, cr])
+            Change::Reading(|r| r.lum_values = |y, cr, cb| [y, cb, cr])
         }
-        "luminance-clamped" => Hook::LumVector(
-            |y, cr, cb| [y.clamp(0.0, 255.0), cr, cb],
-            |y, cr, cb| [cr, y.clamp(0.0, 255.0), cb],
-        ),
-        "luminance-in-a-byte" => Hook::LumVector(
-            |y, cr, cb| [f64::from(y as i64 as u8), cr, cb],
-            |y, cr, cb| [cr, f64::from(y as i64 as u8), cb],
-        ),
+        "luminance-clamped" => {
+            Change::Reading(|r| r.lum_luminance = evaluate::clamped_lum_luminance)
+        }
+        "luminance-in-a-byte" => {
+            Change::Reading(|r| r.lum_values = |y, cr, cb| [f64::from(y as i64 as u8), cr, cb])
+        }
         _ => return None,
     })
 };

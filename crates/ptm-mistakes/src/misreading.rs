@@ -5,14 +5,15 @@ use std::fmt;
 
 use serde::Deserialize;
 
-use super::hook::Hook;
-use crate::formula::Edit;
+use super::change::Change;
+use super::step::Step;
+use crate::formula::{Edit, Formula, Stage};
 use ptm_suite::kit::yaml;
 
-/// A mistake: its record in `misreadings.yaml`, and the step that it changes. The PTM suite and the texture suite share the
-/// record type, but have different steps.
+/// A mistake: its record in `misreadings.yaml`, and the change that it makes. The PTM suite and the texture suite share the
+/// record type, but have different changes.
 #[derive(Clone, Debug)]
-pub struct Misreading<A = Hook> {
+pub struct Misreading<A = Change> {
     /// Permanent name of the misreading.
     pub slug: &'static str,
     /// Clause that the decoder misreads.
@@ -31,8 +32,57 @@ pub struct Misreading<A = Hook> {
     pub symptom: Symptom,
     /// Public decoders that make the mistake.
     pub sightings: Vec<Sighting>,
-    /// Step that the mistake changes.
-    pub step: A,
+    /// Step that the mistake changes, unless it edits formulas. Only misreadings of PTM files state this.
+    pub step: Option<&'static Step>,
+    /// What a decoder with this mistake does differently.
+    pub change: A,
+}
+
+impl Misreading {
+    /// Returns the stage of decoding that the mistake changes.
+    #[must_use]
+    pub fn stage(&self) -> Stage {
+        if let Change::Edits(edits) = self.change {
+            let stages = edits.iter().map(|edit| edit.formula.stage());
+            return stages.min().unwrap_or(Stage::Color);
+        }
+        self.step.map_or(Stage::File, |step| step.stage)
+    }
+
+    /// Returns true if the mistake may cause a refusal. Other mistakes only change values.
+    #[must_use]
+    pub fn may_refuse(&self) -> bool {
+        if let Change::Edits(edits) = self.change {
+            return edits.iter().any(|edit| edit.formula.may_refuse());
+        }
+        self.step.is_none_or(|step| step.may_refuse)
+    }
+
+    /// Returns the formulas that the mistake changes.
+    #[must_use]
+    pub fn formulas(&self) -> Vec<Formula> {
+        if let Change::Edits(edits) = self.change {
+            return edits.iter().map(|edit| edit.formula).collect();
+        }
+        self.step.map_or_else(Vec::new, Step::formulas)
+    }
+
+    /// Returns true if both mistakes change the same step: the bytes, the decoded map, a decision or a formula.
+    #[must_use]
+    pub fn changes_same_step(&self, other: &Misreading) -> bool {
+        match (self.step, other.step) {
+            (Some(step), Some(other)) => step == other,
+            // Two mistakes that edit different formulas change different steps.
+            _ => !self.formulas().is_empty() && self.formulas() == other.formulas(),
+        }
+    }
+
+    /// Returns true if the mistake changes a decision of [`Reading`] or edits formulas. A decoder makes each decision in only one
+    /// way.
+    #[must_use]
+    pub const fn is_decision(&self) -> bool {
+        !matches!(self.change, Change::Bytes(_) | Change::Map(_))
+    }
 }
 
 /// The way in which a mistake shows in the answers of a decoder.
@@ -81,32 +131,38 @@ struct MisreadingRecord {
     shows: Symptom,
     #[serde(default)]
     seen: Vec<Sighting>,
+    /// Name of the step that a function changes.
+    step: Option<String>,
     /// Edits of formulas, indexed by the name of the formula.
     #[serde(default)]
     edits: BTreeMap<String, String>,
 }
 
-/// Joins each record in a YAML file with the step that the mistake changes: the step for its slug, or the step that
-/// `step_from_edits` creates from its formula edits.
+/// Joins each record in a YAML file with the change that the mistake makes: the change for its slug, or the change that
+/// `change_from_edits` creates from its formula edits.
 ///
 /// The strings are leaked, which is harmless because each catalog is created only once. Returns an error that names the
 /// offending line.
 pub fn load_catalog<A>(
     yaml: &str,
-    step_from_slug: impl Fn(&str) -> Option<A>,
-    step_from_edits: impl Fn(&'static [Edit]) -> Option<A>,
+    change_from_slug: impl Fn(&str) -> Option<A>,
+    change_from_edits: impl Fn(&'static [Edit]) -> Option<A>,
 ) -> Result<Vec<Misreading<A>>, String> {
     let mut all = Vec::new();
     for (line, record) in yaml::records::<MisreadingRecord>(yaml)? {
         let slug: &str = record.slug.leak();
-        let edits = (record.edits.iter()).map(|(name, text)| Edit::parse(name, text));
-        let edits: Vec<Edit> = edits
-            .collect::<Result<_, _>>()
-            .map_err(|error| format!("line {line}: {error}"))?;
-        let step = match edits.is_empty() {
-            true => step_from_slug(slug),
-            false => step_from_edits(edits.leak()),
+        let at_line = |error: String| format!("line {line}: {error}");
+        let mut edits = Vec::new();
+        for (name, text) in &record.edits {
+            edits.push(Edit::parse(name, text).map_err(at_line)?);
+        }
+        let change = if edits.is_empty() {
+            change_from_slug(slug)
+        } else {
+            change_from_edits(edits.leak())
         };
+        let find_step =
+            |name: String| Step::find(&name).ok_or_else(|| at_line(format!("unknown step {name}")));
         all.push(Misreading {
             slug,
             clause: record.clause.leak(),
@@ -116,7 +172,8 @@ pub fn load_catalog<A>(
             fix: record.fix.leak(),
             symptom: record.shows,
             sightings: record.seen,
-            step: step.ok_or_else(|| format!("line {line}: {slug} has no step"))?,
+            step: record.step.map(find_step).transpose()?,
+            change: change.ok_or_else(|| at_line(format!("{slug} is not implemented")))?,
         });
     }
     Ok(all)

@@ -7,77 +7,70 @@
 
 use std::borrow::Cow;
 
-use super::hook::{Hook, Steps};
+use super::change::{Change, Changes};
 use ptm::Size;
 use ptm::decode::predict as rule;
 use ptm::parts::Step;
 use ptm::reading::Reading;
 
-pub const STEPS: Steps = |slug| {
-    Some(match slug {
-        "motion-halves-toward-zero" => Hook::Predictor(|reference, step, size, reading| {
-            displace_with_taps(reference, step, size, reading, |at, [d, _], _| {
-                let first = at + d / 2;
-                [first, first + (d & 1)]
-            })
-        }),
-        "motion-half-of-the-other-axis" => Hook::Predictor(|reference, step, size, reading| {
-            displace_with_taps(reference, step, size, reading, |at, [d, other], axis| {
-                let first = at + (d >> 1);
-                let half = if axis.is_x { d } else { other };
-                [first, first + (half & 1)]
-            })
-        }),
-        "motion-half-of-the-edge" => Hook::Predictor(|reference, step, size, reading| {
-            displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
-                let first = (at + (d >> 1)).clamp(0, axis.length - 1);
-                [first, first + (d & 1)]
-            })
-        }),
-        "motion-half-begins-again" => Hook::Predictor(|reference, step, size, reading| {
-            displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
-                let first = (at + (d >> 1)).clamp(0, axis.length - 1);
-                let second = at + (d >> 1) + (d & 1);
-                let is_inside = (0..axis.length).contains(&second);
-                [first, if is_inside || second < 0 { second } else { 0 }]
-            })
-        }),
-        "motion-x-within-the-height" => Hook::Predictor(|reference, step, size, reading| {
-            displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
-                let first = at + (d >> 1);
-                let limit = if axis.is_x {
-                    axis.other_length.min(axis.length)
-                } else {
-                    axis.length
-                };
-                [first, first + (d & 1)].map(|at| at.clamp(0, limit - 1))
-            })
-        }),
-        "motion-border-black" => Hook::Predictor(|reference, step, size, reading| {
-            let motion_border = black_border;
-            let reading = Reading {
-                motion_border,
-                ..*reading
+pub const CHANGES: Changes = |slug| {
+    let change: fn(&mut Reading) = match slug {
+        "motion-halves-toward-zero" => |r| {
+            r.predictor = |reference, step, size, reading| {
+                displace_with_taps(reference, step, size, reading, |at, [d, _], _| {
+                    let first = at + d / 2;
+                    [first, first + (d & 1)]
+                })
             };
-            rule::invert_then_displace(reference, step, size, &reading)
-        }),
+        },
+        "motion-half-of-the-other-axis" => |r| {
+            r.predictor = |reference, step, size, reading| {
+                displace_with_taps(reference, step, size, reading, |at, [d, other], axis| {
+                    let first = at + (d >> 1);
+                    let half = if axis.is_x { d } else { other };
+                    [first, first + (half & 1)]
+                })
+            };
+        },
+        "motion-half-of-the-edge" => |r| {
+            r.predictor = |reference, step, size, reading| {
+                displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
+                    let first = (at + (d >> 1)).clamp(0, axis.length - 1);
+                    [first, first + (d & 1)]
+                })
+            };
+        },
+        "motion-half-begins-again" => |r| {
+            r.predictor = |reference, step, size, reading| {
+                displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
+                    let first = (at + (d >> 1)).clamp(0, axis.length - 1);
+                    let second = at + (d >> 1) + (d & 1);
+                    let is_inside = (0..axis.length).contains(&second);
+                    [first, if is_inside || second < 0 { second } else { 0 }]
+                })
+            };
+        },
+        "motion-x-within-the-height" => |r| {
+            r.predictor = |reference, step, size, reading| {
+                displace_with_taps(reference, step, size, reading, |at, [d, _], axis| {
+                    let first = at + (d >> 1);
+                    let limit = if axis.is_x {
+                        axis.other_length.min(axis.length)
+                    } else {
+                        axis.length
+                    };
+                    [first, first + (d & 1)].map(|at| at.clamp(0, limit - 1))
+                })
+            };
+        },
+        "motion-border-black" => |r| r.motion_border = rule::black_border,
         _ => return None,
-    })
+    };
+    Some(Change::Reading(change))
 };
 
 fn limit_displacement(displacement: i64) -> i64 {
     displacement.clamp(-(1 << 40), 1 << 40)
-}
-
-/// Returns the sample at a position, or 0 if the position is outside the plane.
-fn black_border(plane: &[u8], size: Size, x: i64, y: i64) -> u8 {
-    let (width, height) = (i64::from(size.width), i64::from(size.height));
-    let is_inside = (0..width).contains(&x) && (0..height).contains(&y);
-    if is_inside {
-        plane[(y * width + x) as usize]
-    } else {
-        0
-    }
 }
 
 struct PlaneAxis {
@@ -100,21 +93,28 @@ fn displace_with_taps<'a>(
     reading: &Reading,
     taps: Taps,
 ) -> Cow<'a, [u8]> {
-    let displaced = false;
-    let plane = rule::invert_then_displace(reference, &Step { displaced, ..*step }, size, reading);
+    let without_motion = Step {
+        displaced: false,
+        ..*step
+    };
+    let plane = rule::invert_then_displace(reference, &without_motion, size, reading);
     if !step.displaced || step.motion == (0, 0) {
         return plane;
     }
     let (width, height) = (i64::from(size.width), i64::from(size.height));
     let mx = limit_displacement((reading.motion_sign)(step.motion.0));
-    let my = (reading.motion_sign)((reading.motion_vertical)(step.motion.1));
-    let my = limit_displacement(my);
-    let axis = |is_x, length, other_length| PlaneAxis {
-        is_x,
-        length,
-        other_length,
+    let my = (reading.motion_vertical)(step.motion.1);
+    let my = limit_displacement((reading.motion_sign)(my));
+    let x_axis = PlaneAxis {
+        is_x: true,
+        length: width,
+        other_length: height,
     };
-    let (x_axis, y_axis) = (axis(true, width, height), axis(false, height, width));
+    let y_axis = PlaneAxis {
+        is_x: false,
+        length: height,
+        other_length: width,
+    };
     let texel = |i: i64| {
         let [left, right] = taps(i % width, [mx, my], &x_axis);
         let [upper, lower] = taps(i / width, [my, mx], &y_axis);

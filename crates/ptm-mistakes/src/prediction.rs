@@ -5,102 +5,128 @@
     reason = "there are at most 18 planes, and the number of texels is limited"
 )]
 
-use super::hook::{Hook, Steps};
+use super::change::{Change, Changes};
 use super::transforms::{map_samples, reconstruct_with, unexpected_number};
 use ptm::decode::compressed;
 use ptm::error::Result;
 use ptm::parts::{Number, Plan, RawLists};
+use ptm::reading::Reading;
 
-pub const STEPS: Steps = |slug| {
-    Some(match slug {
+pub const CHANGES: Changes = |slug| {
+    let change: fn(&mut Reading) = match slug {
         // 2.9.4
-        "order-as-strict-sequence" => Hook::Plan(|lists| {
-            let mut plan = compressed::make_plan(lists)?;
-            plan.sequence = order_as_planes(lists)?;
-            let mut done = vec![false; plan.steps.len()];
-            for &i in &plan.sequence {
-                let reference = plan.steps[i].reference;
-                if reference.is_some_and(|reference| !done[reference]) {
-                    return Err(unexpected_number(&lists.order[i]));
+        "order-as-strict-sequence" => |r| {
+            r.plan = |lists| {
+                let mut plan = compressed::make_plan(lists)?;
+                plan.sequence = order_as_planes(lists)?;
+                let mut done = vec![false; plan.steps.len()];
+                for &i in &plan.sequence {
+                    let reference = plan.steps[i].reference;
+                    if reference.is_some_and(|reference| !done[reference]) {
+                        return Err(unexpected_number(&lists.order[i]));
+                    }
+                    done[i] = true;
                 }
-                done[i] = true;
-            }
-            Ok(plan)
-        }),
-        "order-as-sequence" => Hook::Plan(|lists| {
-            Ok(Plan {
-                sequence: order_as_planes(lists)?,
-                ..plan_without_ranks(lists)?
-            })
-        }),
-        "order-ignored" => Hook::Plan(plan_without_ranks),
-        "order-reversed" => Hook::Plan(|lists| {
-            let mut plan = compressed::make_plan(lists)?;
-            plan.sequence.reverse();
-            Ok(plan)
-        }),
-        "order-one-based" => Hook::Plan(|lists| {
-            let mut plan = compressed::make_plan(lists)?;
-            plan.sequence.retain(|&i| lists.order[i].value > 0);
-            Ok(plan)
-        }),
-        "one-plane-a-rank" => Hook::Plan(|lists| {
-            let mut plan = compressed::make_plan(lists)?;
-            let planes = lists.order.len() as i64;
-            plan.sequence = (0..planes)
-                .filter_map(|rank| lists.order.iter().position(|number| number.value == rank))
-                .collect();
-            Ok(plan)
-        }),
-        "ranks-of-references-unchecked" => Hook::Plan(|lists| {
-            let mut plan = plan_without_ranks(lists)?;
-            plan.sequence.sort_by_key(|&plane| lists.order[plane].value);
-            Ok(plan)
-        }),
-        // 2.9.5
-        "reference-one-based" => Hook::Plan(|lists| {
-            compressed::make_plan(&with_references(lists, |value| value.saturating_sub(1)))
-        }),
-        "reference-one-late" => Hook::Plan(|lists| {
-            let planes = lists.references.len() as i64;
-            change_references_unchecked(lists, |value| match value {
-                0.. => value.saturating_add(1).min(planes - 1),
-                _ => value,
-            })
-        }),
-        "reference-is-a-rank" => Hook::Plan(|lists| {
-            let by_rank = |rank: i64| {
-                let plane = lists.order.iter().position(|number| number.value == rank);
-                plane.filter(|_| rank >= 0).map_or(-1, |plane| plane as i64)
+                Ok(plan)
             };
-            change_references_unchecked(lists, by_rank)
-        }),
-        "reference-is-the-plane-before" => Hook::Plan(|lists| {
-            let mut plan = compressed::make_plan(lists)?;
-            for pair in plan.sequence.windows(2) {
-                if let &[before, i] = pair
-                    && plan.steps[i].reference.is_some()
-                {
-                    plan.steps[i].reference = Some(before);
+        },
+        "order-as-sequence" => |r| {
+            r.plan = |lists| {
+                Ok(Plan {
+                    sequence: order_as_planes(lists)?,
+                    ..plan_without_ranks(lists)?
+                })
+            };
+        },
+        "order-ignored" => |r| r.plan = plan_without_ranks,
+        "order-reversed" => |r| {
+            r.plan = |lists| {
+                let mut plan = compressed::make_plan(lists)?;
+                plan.sequence.reverse();
+                Ok(plan)
+            };
+        },
+        "order-one-based" => |r| {
+            r.plan = |lists| {
+                let mut plan = compressed::make_plan(lists)?;
+                plan.sequence.retain(|&i| lists.order[i].value > 0);
+                Ok(plan)
+            };
+        },
+        "one-plane-a-rank" => |r| {
+            r.plan = |lists| {
+                let mut plan = compressed::make_plan(lists)?;
+                let planes = lists.order.len() as i64;
+                plan.sequence = (0..planes)
+                    .filter_map(|rank| lists.order.iter().position(|number| number.value == rank))
+                    .collect();
+                Ok(plan)
+            };
+        },
+        "ranks-of-references-unchecked" => |r| {
+            r.plan = |lists| {
+                let mut plan = plan_without_ranks(lists)?;
+                plan.sequence.sort_by_key(|&plane| lists.order[plane].value);
+                Ok(plan)
+            };
+        },
+        // 2.9.5
+        "reference-one-based" => |r| {
+            r.plan = |lists| {
+                compressed::make_plan(&with_references(lists, |value| value.saturating_sub(1)))
+            };
+        },
+        "reference-one-late" => |r| {
+            r.plan = |lists| {
+                let planes = lists.references.len() as i64;
+                change_references_unchecked(lists, |value| match value {
+                    0.. => value.saturating_add(1).min(planes - 1),
+                    _ => value,
+                })
+            };
+        },
+        "reference-is-a-rank" => |r| {
+            r.plan = |lists| {
+                let by_rank = |rank: i64| {
+                    let plane = lists.order.iter().position(|number| number.value == rank);
+                    plane.filter(|_| rank >= 0).map_or(-1, |plane| plane as i64)
+                };
+                change_references_unchecked(lists, by_rank)
+            };
+        },
+        "reference-is-the-plane-before" => |r| {
+            r.plan = |lists| {
+                let mut plan = compressed::make_plan(lists)?;
+                for pair in plan.sequence.windows(2) {
+                    if let &[before, i] = pair
+                        && plan.steps[i].reference.is_some()
+                    {
+                        plan.steps[i].reference = Some(before);
+                    }
                 }
-            }
-            Ok(plan)
-        }),
-        "reference-past-the-last-is-intra" => Hook::Plan(|lists| {
-            let planes = lists.references.len() as i64;
-            let plane_or_none = |value: i64| if value < planes { value } else { -1 };
-            compressed::make_plan(&with_references(lists, plane_or_none))
-        }),
-        "intra-planes-less-128" => Hook::Reconstruct(|coded, residuals, reading| {
-            reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
-                coded.predict(i, plane, done, reading);
-                if steps[i].reference.is_none() {
-                    map_samples(plane, |value| value.wrapping_sub(128));
-                }
-            })
-        }),
+                Ok(plan)
+            };
+        },
+        "reference-past-the-last-is-intra" => |r| {
+            r.plan = |lists| {
+                let planes = lists.references.len() as i64;
+                let plane_or_none = |value: i64| if value < planes { value } else { -1 };
+                compressed::make_plan(&with_references(lists, plane_or_none))
+            };
+        },
+        "intra-planes-less-128" => |r| {
+            r.reconstruct = |coded, residuals, reading| {
+                reconstruct_with(coded, residuals, reading, |i, plane, done, steps| {
+                    coded.predict(i, plane, done, reading);
+                    if steps[i].reference.is_none() {
+                        map_samples(plane, |value| value.wrapping_sub(128));
+                    }
+                })
+            };
+        },
         _ => return None,
-    })
+    };
+    Some(Change::Reading(change))
 };
 
 fn with_references(lists: &RawLists, change: impl Fn(i64) -> i64) -> RawLists {

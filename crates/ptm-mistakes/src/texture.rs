@@ -25,7 +25,7 @@ impl Misreading<Change> {
     /// Applies this mistake to `rules`.
     #[must_use]
     pub fn apply_to(&self, rules: Rules) -> Rules {
-        with_change(rules, self.step)
+        with_change(rules, self.change)
     }
 }
 
@@ -360,9 +360,12 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         },
         "specular-lost" => |r| r.add_specular = |shade, _| shade,
         "white-light-lost" => |r| {
-            r.stage = |maps, lit, i, f, rules| match is_split(i, f) {
-                true => apply_to_lit_color(maps, lit, rules),
-                false => (SPEC.stage)(maps, lit, i, f, rules),
+            r.stage = |maps, lit, i, f, rules| {
+                if is_split(i, f) {
+                    apply_to_lit_color(maps, lit, rules)
+                } else {
+                    (SPEC.stage)(maps, lit, i, f, rules)
+                }
             };
         },
         "split-multiplies-twice" => |r| {
@@ -608,9 +611,12 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
             };
         },
         "depth-wraps" => |r| {
-            r.levels = |depth, top| match depth > top as f64 {
-                true => (0, 0, 0.0),
-                false => (SPEC.levels)(depth, top),
+            r.levels = |depth, top| {
+                if depth > top as f64 {
+                    (0, 0, 0.0)
+                } else {
+                    (SPEC.levels)(depth, top)
+                }
             };
         },
         // ---------------------------------------------------------------- boundaries
@@ -622,9 +628,12 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
             };
         },
         "wrap-loses-the-last-texel" => |r| {
-            r.wrap = |k, size| match (0..size as i64).contains(&k) {
-                true => k as usize,
-                false => k.rem_euclid((size as i64 - 1).max(1)) as usize,
+            r.wrap = |k, size| {
+                if (0..size as i64).contains(&k) {
+                    k as usize
+                } else {
+                    k.rem_euclid((size as i64 - 1).max(1)) as usize
+                }
             };
         },
         "wrap-clamps-neighbours" => |r| {

@@ -41,7 +41,8 @@ fn read(yaml: &str) -> Result<Vec<WriterMistake>, String> {
             fix: record.fix.leak(),
             symptom: misreading.symptom,
             sightings: Vec::new(),
-            step: misreading,
+            step: misreading.step,
+            change: misreading,
         })
     };
     records.map(join).collect()

@@ -10,94 +10,107 @@ use crate::dialect::{Axis, Choice, Choices, Dialect, Readings};
 use crate::protocol::frame::{Light, View};
 use crate::values::Values;
 use ptm::Format;
-use ptm::decode::Alternative::{
-    BorderBlack, BorderGray, BorderMirrored, BorderWrapped, ChromaCentered, CrFirst,
-    HalvesRoundedDown, HalvesRoundedUpTwice, HalvesToEven, InversionAfterMotion, LumClamped,
-    LumLimited, LuminanceClamped, MotionAgainstRows, MotionReversed, NoJpegLsOffset, RowsFirst,
-    SideInformationOnlyIfLossy, UnitRange,
-};
-use ptm::evaluate::polynomial;
+use ptm::decode::{color_matrix, planes, predict};
+use ptm::evaluate::{self, polynomial};
 use ptm::reading::Reading;
 
 const LUM_VECTOR: Readings<Reading> = &[
     ("the matrix multiplies (Y, Cr, Cb, 1)", |_| {}),
-    ("the matrix multiplies (Cr, Y, Cb, 1)", |r| r.set(CrFirst)),
+    ("the matrix multiplies (Cr, Y, Cb, 1)", |r| {
+        r.lum_vector = evaluate::lum_vector_cr_first;
+    }),
 ];
 const LUM_MAJOR: Readings<Reading> = &[
     ("columns first", |_| {}),
-    ("rows first", |r| r.set(RowsFirst)),
+    ("rows first", |r| {
+        r.lum_matrix = color_matrix::row_major_rows;
+    }),
 ];
 const LUM_RANGE: Readings<Reading> = &[
     ("values and translation from 0 to 255", |_| {}),
-    ("values and translation from 0 to 1", |r| r.set(UnitRange)),
+    ("values and translation from 0 to 1", |r| {
+        r.lum_translation = evaluate::scaled_lum_translation;
+    }),
 ];
 const LUM_CHROMA: Readings<Reading> = &[
     ("the matrix multiplies Cr and Cb as stored", |_| {}),
     ("the matrix multiplies Cr − 128 and Cb − 128", |r| {
-        r.set(ChromaCentered);
+        r.lum_chroma = evaluate::centered_lum_chroma;
     }),
 ];
 const LUM_CLAMP: Readings<Reading> = &[
     ("Y is not clamped", |_| {}),
-    ("Y is clamped to 0…255", |r| r.set(LumClamped)),
-    ("Y is limited to 255", |r| r.set(LumLimited)),
+    ("Y is clamped to 0…255", |r| {
+        r.lum_luminance = evaluate::clamped_lum_luminance;
+    }),
+    ("Y is limited to 255", |r| {
+        r.lum_luminance = evaluate::clamped_luminance;
+    }),
 ];
 const LUMINANCE_CLAMP: Readings<Reading> = &[
     ("luminance is not clamped", |_| {}),
-    ("luminance is clamped to 255", |r| r.set(LuminanceClamped)),
+    ("luminance is clamped to 255", |r| {
+        r.luminance = evaluate::clamped_luminance;
+    }),
 ];
 const MOTION_INVERSION: Readings<Reading> = &[
     ("the reference is inverted, then displaced", |_| {}),
     ("the reference is displaced, then inverted", |r| {
-        r.set(InversionAfterMotion);
+        r.predictor = predict::displace_then_invert;
     }),
 ];
 const MOTION_SIGN: Readings<Reading> = &[
     ("vectors point from a texel to its predictor", |_| {}),
     ("vectors point from the predictor to its texel", |r| {
-        r.set(MotionReversed);
+        r.motion_sign = predict::predictor_to_texel;
     }),
 ];
 const MOTION_VERTICAL: Readings<Reading> = &[
     ("y increases in the order of the stored rows", |_| {}),
     ("y decreases in the order of the stored rows", |r| {
-        r.set(MotionAgainstRows);
+        r.motion_vertical = predict::y_against_stored_rows;
     }),
 ];
 const MOTION_HALF: Readings<Reading> = &[
     ("means that end in one half are rounded up", |_| {}),
-    ("means are rounded down", |r| r.set(HalvesRoundedDown)),
+    ("means are rounded down", |r| {
+        r.motion_half = predict::mean_rounded_down;
+    }),
     ("means that end in one half are rounded to even", |r| {
-        r.set(HalvesToEven);
+        r.motion_half = predict::mean_rounded_to_even;
     }),
     ("means are rounded up along x, and then along y", |r| {
-        r.set(HalvesRoundedUpTwice);
+        r.motion_half = predict::mean_rounded_up_twice;
     }),
 ];
 const MOTION_BORDER: Readings<Reading> = &[
     ("samples outside a plane repeat its edge", |_| {}),
     ("samples outside a plane come from its opposite side", |r| {
-        r.set(BorderWrapped);
+        r.motion_border = predict::wrap_border;
     }),
-    ("samples outside a plane are 128", |r| r.set(BorderGray)),
-    ("samples outside a plane are 0", |r| r.set(BorderBlack)),
+    ("samples outside a plane are 128", |r| {
+        r.motion_border = predict::gray_border;
+    }),
+    ("samples outside a plane are 0", |r| {
+        r.motion_border = predict::black_border;
+    }),
     (
         "samples outside a plane mirror it, with its edge repeated",
         |r| {
-            r.set(BorderMirrored);
+            r.motion_border = predict::mirror_border;
         },
     ),
 ];
 const JPEG_LS_OFFSET: Readings<Reading> = &[
     ("JPEG-LS residuals are 128 more than the difference", |_| {}),
     ("JPEG-LS residuals are the difference modulo 256", |r| {
-        r.set(NoJpegLsOffset);
+        r.predict_jpeg_ls = predict::predict_without_offset;
     }),
 ];
 const SIDE_LOSSLESS: Readings<Reading> = &[
     ("records of lossless files are applied", |_| {}),
     ("records of lossless files are skipped", |r| {
-        r.set(SideInformationOnlyIfLossy);
+        r.side_information = planes::side_information_if_lossy;
     }),
 ];
 
@@ -185,4 +198,34 @@ pub(crate) fn dialect_image(
         Some(Arc::new(Expected { slack, ..image }))
     };
     known.entry(key).or_insert_with(make).clone()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::clauses::rulings;
+
+    #[test]
+    fn other_readings_change_exactly_the_step_that_their_ruling_names() {
+        let rulings = rulings().expect("the rulings load");
+        for choice in CHOICES.iter() {
+            let ruling = rulings.iter().find(|ruling| ruling.id == choice.ruling);
+            let ruling = ruling.expect(choice.ruling);
+            let [(_, reference), others @ ..] = choice.readings else {
+                panic!("{} has no readings", choice.ruling);
+            };
+            assert_eq!(changed_steps(*reference), [""; 0], "{}", choice.ruling);
+            assert_eq!(others.len(), ruling.alternatives.len(), "{}", choice.ruling);
+            for (words, change) in others {
+                let step = ruling.step.as_deref().expect(choice.ruling);
+                assert_eq!(changed_steps(*change), [step], "{words}");
+            }
+        }
+    }
+
+    fn changed_steps(change: fn(&mut Reading)) -> Vec<&'static str> {
+        let mut reading = Reading::SPEC;
+        change(&mut reading);
+        reading.differences(&Reading::SPEC)
+    }
 }

@@ -5,6 +5,11 @@
 //! - All polynomials share one set of scales and biases. Colors, Cr and Cb are used unscaled.
 //! - Luminance times color is divided by 255 and then clamped (ruling `color`).
 
+#![allow(
+    clippy::must_use_candidate,
+    reason = "the decoder calls the functions of decisions"
+)]
+
 use crate::reading::Reading;
 use crate::types::{ColorMatrix, Planes, ScaleBias, Shape, Size};
 
@@ -86,29 +91,29 @@ pub fn evaluate(coefficients: &Coefficients, lu: f64, lv: f64, reading: &Reading
 #[must_use]
 pub fn lum_color(m: &ColorMatrix, y: f64, cr: f64, cb: f64, reading: &Reading) -> [f64; 3] {
     let [cr, cb] = [cr, cb].map(reading.lum_chroma);
-    let v = (reading.lum_vector)((reading.lum_luminance)(y), cr, cb);
+    let [y, cr, cb] = (reading.lum_values)((reading.lum_luminance)(y), cr, cb);
+    let v = (reading.lum_vector)(y, cr, cb);
     (reading.lum_matrix)(m)
         .map(|[m0, m1, m2, t]| m0 * v[0] + m1 * v[1] + m2 * v[2] + (reading.lum_translation)(t))
 }
 
 /// Returns the light unchanged: +u is right, +v is up (clause 1.0/2, ruling `light`).
-pub(crate) fn light(lu: f64, lv: f64) -> (f64, f64) {
+pub fn light(lu: f64, lv: f64) -> (f64, f64) {
     (lu, lv)
 }
 
 /// Evaluates the polynomial of §1.0 (clause 1.0/1).
-#[must_use]
 pub fn polynomial(a: &[f64], lu: f64, lv: f64) -> f64 {
     a[0] * lu * lu + a[1] * lv * lv + a[2] * lu * lv + a[3] * lu + a[4] * lv + a[5]
 }
 
 /// Computes (raw − bias) · scale (clause 2.4/8). All polynomials share the same six scales and biases (clause 2.4/9).
-pub(crate) fn final_coefficient(raw: u8, channel: usize, set: &ScaleBias) -> f64 {
+pub fn final_coefficient(raw: u8, channel: usize, set: &ScaleBias) -> f64 {
     (f64::from(raw) - set.bias[channel % 6]) * set.scale[channel % 6]
 }
 
 /// Applies scale and bias to the coefficients. Colors, Cr and Cb remain unchanged (clause 2.4/9).
-pub(crate) fn final_values(set: &ScaleBias, planes: &Planes, reading: &Reading) -> Vec<f64> {
+pub fn final_values(set: &ScaleBias, planes: &Planes, reading: &Reading) -> Vec<f64> {
     let coefficients = planes.shape.coefficients();
     let mut values = Vec::with_capacity(planes.samples.len());
     for texel in planes.texels() {
@@ -124,59 +129,62 @@ pub(crate) fn final_values(set: &ScaleBias, planes: &Planes, reading: &Reading) 
 }
 
 /// Returns Cr or Cb as stored (ruling `lum-chroma`).
-pub(crate) fn lum_chroma(stored: f64) -> f64 {
+pub fn lum_chroma(stored: f64) -> f64 {
     stored
 }
 
 /// Returns Cr or Cb relative to 128 (alternative to ruling `lum-chroma`). In the range from 0 to 1, the middle is 128/255.
-pub(crate) fn centered_lum_chroma(stored: f64) -> f64 {
+pub fn centered_lum_chroma(stored: f64) -> f64 {
     stored - 128.0
 }
 
+/// Returns the values that the vector consists of, unchanged: Y, Cr and Cb (clause 2.6/4).
+pub fn lum_values(y: f64, cr: f64, cb: f64) -> [f64; 3] {
+    [y, cr, cb]
+}
+
 /// Returns the vector Y, Cr, Cb (ruling `lum-vector`).
-pub(crate) fn lum_vector(y: f64, cr: f64, cb: f64) -> [f64; 3] {
+pub fn lum_vector(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     [y, cr, cb]
 }
 
 /// Returns the vector Cr, Y, Cb (alternative to ruling `lum-vector`).
-pub(crate) fn lum_vector_cr_first(y: f64, cr: f64, cb: f64) -> [f64; 3] {
+pub fn lum_vector_cr_first(y: f64, cr: f64, cb: f64) -> [f64; 3] {
     [cr, y, cb]
 }
 
 /// Returns the translation unchanged: like the values, it ranges from 0 to 255 (ruling `lum-range`).
-pub(crate) fn lum_translation(t: f64) -> f64 {
+pub fn lum_translation(t: f64) -> f64 {
     t
 }
 
 /// Scales a translation from 0 … 1 to 0 … 255 (alternative to ruling `lum-range`).
-pub(crate) fn scaled_lum_translation(t: f64) -> f64 {
+pub fn scaled_lum_translation(t: f64) -> f64 {
     t * 255.0
 }
 
 /// Returns the luminance unchanged (rulings `luminance-clamp` and `lum-clamp`).
-pub(crate) fn luminance(value: f64) -> f64 {
+pub fn luminance(value: f64) -> f64 {
     value
 }
 
 /// Limits luminance to 255 (alternative to rulings `luminance-clamp` and `lum-clamp`). In LRGB and tables, a negative luminance
 /// gives the color 0 in any case.
-pub(crate) fn clamped_luminance(value: f64) -> f64 {
+pub fn clamped_luminance(value: f64) -> f64 {
     value.min(255.0)
 }
 
 /// Limits Y to 0…255 (alternative to ruling `lum-clamp`). The matrix may multiply it by a negative number.
-pub(crate) fn clamped_lum_luminance(value: f64) -> f64 {
+pub fn clamped_lum_luminance(value: f64) -> f64 {
     value.clamp(0.0, 255.0)
 }
 
 /// Computes luminance times color, divided by 255 (clause 2.7.3/4, ruling `color`).
-#[must_use]
 pub fn modulate(luminance: f64, color: f64) -> f64 {
     luminance * color / 255.0
 }
 
 /// Clamps a final color to 0 … 255 (clause 2.7.3/5, ruling `color`).
-#[must_use]
 pub fn clamp(value: f64) -> f64 {
     value.clamp(0.0, 255.0)
 }

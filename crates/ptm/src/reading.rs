@@ -2,7 +2,18 @@
 //!
 //! A [`Reading`] has one function for each decision. In [`Reading::SPEC`], the reading of the reference, each decision is the
 //! function in [`mod@crate::decode`] or [`crate::evaluate`] that implements and explains the clause. The decoder calls only these
-//! functions. [`Reading::with_alternative`] replaces functions in order to implement another reading of an open question.
+//! functions. To change a decision, assign another function to its field: an alternative, which stands beside the function of the
+//! reference and answers an open question differently, or a mistake.
+//!
+//! ```
+//! use ptm::decode::predict;
+//! use ptm::{Limits, Reading, decode_as};
+//!
+//! let rounding_down = Reading { motion_half: predict::mean_rounded_down, ..Reading::SPEC };
+//! # let file = b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\n\x01\x02\x03\x04\x05\x06rgb";
+//! let ptm = decode_as(file, &rounding_down, &Limits::default())?;
+//! # Ok::<(), ptm::Error>(())
+//! ```
 
 use std::borrow::Cow;
 
@@ -13,19 +24,6 @@ use crate::parts::{
 };
 use crate::types::{ColorMatrix, Format, Header, Planes, ScaleBias, Size};
 
-/// Computes the final values of all texels: coefficients, and colors or chroma.
-pub type Finals = fn(&ScaleBias, &Planes, &Reading) -> Vec<f64>;
-/// Reads the indices of a map of the given size.
-pub type ReadIndices = for<'a> fn(&LookupTable, Size, &mut Input<'a>) -> Result<IndexBlock<'a>>;
-/// Computes the predictor of a plane from its reference.
-pub type Predictor = for<'a> fn(reference: &'a [u8], &Step, Size, &Reading) -> Cow<'a, [u8]>;
-/// Computes the planes, indexed by plane, from the residuals of their streams, which are in the order of decoding.
-pub type Reconstruct = fn(&Coded, residuals: Vec<Vec<u8>>, &Reading) -> Result<Vec<Vec<u8>>>;
-/// Returns the side information of a plane.
-pub type SideInformation = for<'a> fn(&Coded<'a>, plane: usize) -> &'a [u8];
-/// Reads the records of a block of side information at offset `at` of the file.
-pub type ReadRecords = fn(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>>;
-
 /// A way to interpret files: one function for each decision, in the order of the specification.
 #[derive(Clone, Copy)]
 #[allow(missing_docs)] // each field is documented at its function in SPEC
@@ -35,7 +33,7 @@ pub struct Reading {
     pub polynomial: fn(a: &[f64], lu: f64, lv: f64) -> f64,
     // 2.4
     pub final_coefficient: fn(raw: u8, channel: usize, &ScaleBias) -> f64,
-    pub finals: Finals,
+    pub finals: fn(&ScaleBias, &Planes, &Reading) -> Vec<f64>,
     // 2.5
     pub entry_count: fn(&mut Input) -> Result<usize>,
     pub after_table: fn(&mut Input) -> Result<()>,
@@ -44,6 +42,7 @@ pub struct Reading {
     pub lum_luminance: fn(f64) -> f64,
     /// Returns Cr or Cb as the matrix multiplies it.
     pub lum_chroma: fn(stored: f64) -> f64,
+    pub lum_values: fn(y: f64, cr: f64, cb: f64) -> [f64; 3],
     pub lum_vector: fn(y: f64, cr: f64, cb: f64) -> [f64; 3],
     pub lum_matrix: fn(&ColorMatrix) -> [[f64; 4]; 3],
     pub lum_translation: fn(f64) -> f64,
@@ -55,13 +54,13 @@ pub struct Reading {
     pub modulate: fn(luminance: f64, color: f64) -> f64,
     pub clamp: fn(f64) -> f64,
     // 2.8
-    pub indices: ReadIndices,
+    pub indices: for<'a> fn(&LookupTable, Size, &mut Input<'a>) -> Result<IndexBlock<'a>>,
     pub index: fn(stored: &[u8]) -> usize,
     pub entry: fn(index: usize, entries: usize) -> Option<usize>,
     // 2.9.1–2.9.7
     pub plan: fn(&RawLists) -> Result<Plan>,
     // 2.9.2
-    pub predictor: Predictor,
+    pub predictor: for<'a> fn(reference: &'a [u8], &Step, Size, &Reading) -> Cow<'a, [u8]>,
     pub invert: fn(plane: &mut [u8]),
     // 2.9.3
     pub motion_sign: fn(displacement: i64) -> i64,
@@ -74,8 +73,43 @@ pub struct Reading {
     pub predict_jpeg_ls: fn(residuals: &mut [u8], predictor: &[u8]),
     // 2.9.8
     pub stream: fn(&PlaneStream) -> Result<Vec<u8>>,
-    pub reconstruct: Reconstruct,
-    pub side_information: SideInformation,
-    pub records: ReadRecords,
+    pub reconstruct: fn(&Coded, residuals: Vec<Vec<u8>>, &Reading) -> Result<Vec<Vec<u8>>>,
+    pub side_information: for<'a> fn(&Coded<'a>, plane: usize) -> &'a [u8],
+    pub records: fn(block: &[u8], at: usize, texels: usize) -> Result<Vec<Record>>,
     pub correct: fn(plane: &mut [u8], &[Record]),
+}
+
+impl Reading {
+    /// Returns the name of each decision with the address of its function, in the order of the fields.
+    #[must_use]
+    pub fn decisions(&self) -> Vec<(&'static str, *const ())> {
+        macro_rules! addresses {
+            ($($name:ident)+) => {{
+                // The pattern has no `..`, so that no field can be forgotten.
+                let Reading { $($name),+ } = *self;
+                vec![$((stringify!($name), $name as *const ())),+]
+            }};
+        }
+        addresses! {
+            light polynomial
+            final_coefficient finals
+            entry_count after_table
+            lum_luminance lum_chroma lum_values lum_vector lum_matrix lum_translation
+            blocks stored_row luminance modulate clamp
+            indices index entry
+            plan
+            predictor invert
+            motion_sign motion_vertical motion_half motion_border
+            predict predict_jpeg_ls
+            stream reconstruct side_information records correct
+        }
+    }
+
+    /// Returns the names of the decisions for which the two readings have different functions.
+    #[must_use]
+    pub fn differences(&self, other: &Reading) -> Vec<&'static str> {
+        let pairs = self.decisions().into_iter().zip(other.decisions());
+        let different = pairs.filter(|(one, other)| one.1 != other.1);
+        different.map(|((name, _), _)| name).collect()
+    }
 }

@@ -12,10 +12,10 @@ use std::env;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use ptm::Reading;
-use ptm_mistakes::{Hook, Misreading, Symptom};
-use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
-use ptm::Coding;
+use ptm_conform::Reading;
+use ptm_conform::misreadings::{self, Change, Misreading, Step, Symptom};
+use ptm_conform::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
+use ptm_conform::ptm::Coding;
 
 fn main() -> ExitCode {
     let words: Vec<String> = env::args().collect();
@@ -52,12 +52,17 @@ fn answer(file: &[u8], view: &View) -> Answer {
         fix: "",
         symptom: Symptom::Values,
         sightings: Vec::new(),
-        step: Hook::Stream(|stream| {
-            jpeg_decoder::Decoder::new(stream.bytes).decode().or_else(|error| {
-                eprintln!("plane {}: {error}", stream.plane);
-                // Any error refuses the file.
-                ptm::decode(&[]).map(|_| Vec::new())
-            })
+        step: Step::find("stream"),
+        change: Change::Reading(|r| {
+            r.stream = |stream| {
+                jpeg_decoder::Decoder::new(stream.bytes)
+                    .decode()
+                    .or_else(|error| {
+                        eprintln!("plane {}: {error}", stream.plane);
+                        // Any error refuses the file.
+                        ptm_conform::decode(&[]).map(|_| Vec::new())
+                    })
+            };
         }),
     };
     ptm_mistakes::answer(&[&codec], Reading::SPEC, file, view)

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use ptm::Format;
 use ptm::Reading;
-use ptm::decode::Alternative;
+use ptm::decode::lookup_table::read_newline_separator;
 use ptm_conform::diagnose::{
     Cause, Diagnosis, assume, can_affect_file, can_combine, diagnose, diagnose_among,
 };
@@ -12,7 +12,7 @@ use ptm_conform::runner::run::Request;
 use ptm_conform::session::{outcome::Outcome, run::Run};
 use ptm_conform::strength::matrix::run_with_mistakes;
 use ptm_mistakes::formula::Edit;
-use ptm_mistakes::{Hook, Misreading};
+use ptm_mistakes::{Change, Misreading, Step};
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, ViewKind};
 
@@ -105,7 +105,8 @@ fn panic_in_the_search_loses_only_one_cause() {
         answer
     });
     let panics: &Misreading = Box::leak(Box::new(Misreading {
-        step: Hook::Planes(|_| panic!("index 3 of 2")),
+        step: Step::find("map"),
+        change: Change::Map(|_| panic!("index 3 of 2")),
         ..formula_misreading(Vec::new())
     }));
     let catalog: Vec<&Misreading> = ptm_mistakes::all().chain([panics]).collect();
@@ -349,7 +350,10 @@ fn check_in_reference_dialect(first: usize, step: usize) {
 /// Checks misreadings of a decoder that reads an open question differently from the reference.
 fn check_with_line_feed_after_tables(first: usize, step: usize) {
     let suite = suite_of_small_files();
-    let reading = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);
+    let reading = Reading {
+        after_table: read_newline_separator,
+        ..Reading::SPEC
+    };
     let run = |mistake| {
         run_all(&suite, |request| {
             ptm_mistakes::answer(&[mistake], reading, request.file, request.view)

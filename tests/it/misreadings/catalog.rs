@@ -6,7 +6,7 @@ use std::path::Path;
 
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::strength::matrix::{MatrixRow, matrix, run_with_mistakes};
-use ptm_mistakes::Hook;
+use ptm_mistakes::Change;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::clauses::{self, ClauseStatus, RulingKind};
 
@@ -55,7 +55,7 @@ fn slugs_with_functions(files: &[&str]) -> Vec<String> {
 
 #[test]
 fn functions_are_in_the_order_of_the_catalog() {
-    let functions = ptm_mistakes::behaviors().filter(|one| !matches!(one.step, Hook::Edits(_)));
+    let functions = ptm_mistakes::behaviors().filter(|one| !matches!(one.change, Change::Edits(_)));
     let slugs: Vec<&str> = functions.map(|one| one.slug).collect();
     let sections = [
         "header.rs",

@@ -4,21 +4,18 @@ use std::borrow::Cow;
 
 use ptm::Reading;
 use ptm::Size;
-use ptm::decode::Alternative;
+use ptm::decode::predict::predict_without_offset;
 use ptm_conform::report::Report;
 use ptm_conform::runner::run::Request;
 use ptm_conform::session::dialect::Certainty;
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::RunPlan;
 use ptm_conform::session::run::Run;
-use ptm_mistakes::Hook;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::choices::CHOICES;
 use ptm_suite::protocol::frame::{Answer, Samples};
 
-use crate::in_process::{
-    self, jobs, misreading, reference_answer, step_misreading, suite_of_small_files,
-};
+use crate::in_process::{self, jobs, misreading, reference_answer, suite_of_small_files};
 
 /// Runs the cases that test one of these sections, and their twins, against a decoder.
 fn run(suite: &Suite, sections: &[&str], decoder: impl Fn(&Request) -> Answer + Sync) -> Run {
@@ -69,10 +66,9 @@ fn assert_fails(
     assert_eq!(run.exit_status(), 1);
 }
 
-/// Returns a decoder that follows `reading` except for one step.
-fn with_step(reading: Reading, step: Hook) -> impl Fn(&Request) -> Answer + Sync {
-    let mistake = step_misreading(step);
-    move |request| ptm_mistakes::answer(&[&mistake], reading, request.file, request.view)
+/// Returns a decoder that follows `reading`.
+fn with_reading(reading: Reading) -> impl Fn(&Request) -> Answer + Sync {
+    move |request| ptm_mistakes::answer(&[], reading, request.file, request.view)
 }
 
 /// Returns a decoder that reads the file that `rewrite` returns, or refuses the file.
@@ -88,70 +84,26 @@ fn with_file<'a>(
 #[test]
 fn decoders_pass_under_each_listed_reading_and_the_reading_is_reported() {
     let suite = suite_of_small_files();
-    for (alternative, ruling, sections) in [
-        (
-            Alternative::HalvesRoundedDown,
-            "motion-half",
-            ["2.9.2", "2.9.3"],
-        ),
-        (Alternative::HalvesToEven, "motion-half", ["2.9.2", "2.9.3"]),
-        (
-            Alternative::HalvesRoundedUpTwice,
-            "motion-half",
-            ["2.9.2", "2.9.3"],
-        ),
-        (
-            Alternative::BorderWrapped,
-            "motion-border",
-            ["2.9.2", "2.9.3"],
-        ),
-        (Alternative::BorderGray, "motion-border", ["2.9.2", "2.9.3"]),
-        (
-            Alternative::BorderBlack,
-            "motion-border",
-            ["2.9.2", "2.9.3"],
-        ),
-        (
-            Alternative::BorderMirrored,
-            "motion-border",
-            ["2.9.2", "2.9.3"],
-        ),
-        (
-            Alternative::LuminanceClamped,
-            "luminance-clamp",
-            ["1.0", "2"],
-        ),
-        (Alternative::LumClamped, "lum-clamp", ["1.0", "2"]),
-        (Alternative::LumLimited, "lum-clamp", ["1.0", "2"]),
-        (Alternative::ChromaCentered, "lum-chroma", ["1.0", "2"]),
+    let motion = ["2.9.2", "2.9.3"];
+    let colors = ["1.0", "2"];
+    for (ruling, sections) in [
+        ("motion-half", motion),
+        ("motion-border", motion),
+        ("luminance-clamp", colors),
+        ("lum-clamp", colors),
+        ("lum-chroma", colors),
     ] {
-        let reading = Reading::SPEC.with_alternative(alternative);
-        let run = assert_passes(&suite, &sections, |request| {
-            ptm_mistakes::answer(&[], reading, request.file, request.view)
-        });
         let axis = CHOICES.axes(&[ruling])[0];
-        let taken = run.judgment.dialect.0[axis];
-        let mut expected = Reading::SPEC;
-        CHOICES[axis].readings[taken].1(&mut expected);
-        // The reading that is reported is the one that the decoder follows: both compute the same images.
-        assert!(taken > 0, "{alternative:?}");
-        let others = run
-            .judgment
-            .dialect
-            .0
-            .iter()
-            .filter(|&&reading| reading > 0);
-        assert_eq!(
-            others.count(),
-            1,
-            "{alternative:?}: {:?}",
-            run.judgment.dialect
-        );
-        assert_eq!(
-            run.judgment.certainties[axis],
-            Certainty::Settled,
-            "{alternative:?}"
-        );
+        for (i, (words, change)) in CHOICES[axis].readings.iter().enumerate().skip(1) {
+            let mut reading = Reading::SPEC;
+            change(&mut reading);
+            let run = assert_passes(&suite, &sections, with_reading(reading));
+            let judgment = &run.judgment;
+            let mut expected = CHOICES.reference();
+            expected.0[axis] = i;
+            assert_eq!(judgment.dialect, expected, "{words}");
+            assert_eq!(judgment.certainties[axis], Certainty::Settled, "{words}");
+        }
     }
 }
 
@@ -175,8 +127,11 @@ fn other_means_of_half_texels_fail() {
         first.midpoint(second) as u8
     };
     for half in [off_by_two, down_along_y] {
-        let decoder = with_step(Reading::SPEC, Hook::MotionHalf(half));
-        assert_fails(&suite, &["2.9.2", "2.9.3"], 2, decoder);
+        let reading = Reading {
+            motion_half: half,
+            ..Reading::SPEC
+        };
+        assert_fails(&suite, &["2.9.2", "2.9.3"], 2, with_reading(reading));
     }
 }
 
@@ -232,18 +187,21 @@ fn mirrored_without_the_edge(plane: &[u8], position: [i64; 2], size: [i64; 2]) -
 fn other_borders_fail() {
     macro_rules! border {
         ($outside:expr) => {
-            Hook::Predictor(|reference, step, size, _| {
-                let mut plane = reference.to_vec();
-                if step.inverted {
-                    for value in &mut plane {
-                        *value = 255 - *value;
+            Reading {
+                predictor: |reference, step, size, _| {
+                    let mut plane = reference.to_vec();
+                    if step.inverted {
+                        for value in &mut plane {
+                            *value = 255 - *value;
+                        }
                     }
-                }
-                if step.displaced {
-                    plane = displace(&plane, size, step.motion, $outside);
-                }
-                Cow::Owned(plane)
-            })
+                    if step.displaced {
+                        plane = displace(&plane, size, step.motion, $outside);
+                    }
+                    Cow::Owned(plane)
+                },
+                ..Reading::SPEC
+            }
         };
     }
     let suite = suite_of_small_files();
@@ -252,13 +210,13 @@ fn other_borders_fail() {
     let edge = border!(|plane, [x, y], [width, height]| {
         plane[(y.clamp(0, height - 1) * width + x.clamp(0, width - 1)) as usize]
     });
-    assert_passes(&suite, &sections, with_step(Reading::SPEC, edge));
+    assert_passes(&suite, &sections, with_reading(edge));
     for border in [
         border!(|_, _, _| 64),
         border!(next_in_memory),
         border!(mirrored_without_the_edge),
     ] {
-        assert_fails(&suite, &sections, 2, with_step(Reading::SPEC, border));
+        assert_fails(&suite, &sections, 2, with_reading(border));
     }
 }
 
@@ -266,23 +224,21 @@ fn other_borders_fail() {
 fn other_colors_fail() {
     let suite = suite_of_small_files();
     // A limit of 254 is within one level of 255, which any rounding may cause.
-    let clamped_at_250 = Hook::Modulate(|luminance, color| luminance.min(250.0) * color / 255.0);
+    let clamped_at_250 = Reading {
+        luminance: |value| value.min(250.0),
+        ..Reading::SPEC
+    };
     assert_fails(
         &suite,
         &["1.0", "2.7", "2.8"],
         2,
-        with_step(Reading::SPEC, clamped_at_250),
+        with_reading(clamped_at_250),
     );
-    let centered_at_127 = Hook::LumVector(
-        |y, cr, cb| [y, cr - 127.0, cb - 127.0],
-        |y, cr, cb| [cr - 127.0, y, cb - 127.0],
-    );
-    assert_fails(
-        &suite,
-        &["2.6", "2.7"],
-        2,
-        with_step(Reading::SPEC, centered_at_127),
-    );
+    let centered_at_127 = Reading {
+        lum_chroma: |stored| stored - 127.0,
+        ..Reading::SPEC
+    };
+    assert_fails(&suite, &["2.6", "2.7"], 2, with_reading(centered_at_127));
 }
 
 /// The words of a header and the bytes after its last line feed.
@@ -565,7 +521,10 @@ fn references_are_followed_with_or_without_ranks() {
     };
     assert_passes(&suite, &["2.9.4", "2.9.5"], with_file(follows));
     // The image of a lenient file follows the readings of the decoder, too.
-    let without_offset = Reading::SPEC.with_alternative(Alternative::NoJpegLsOffset);
+    let without_offset = Reading {
+        predict_jpeg_ls: predict_without_offset,
+        ..Reading::SPEC
+    };
     assert_passes(&suite, &["2.9.4", "2.9.5"], |request| {
         let file = follows(request.file).expect("a file");
         ptm_mistakes::answer(&[], without_offset, &file, request.view)

@@ -52,7 +52,8 @@ impl Requests {
     fn first_cause(&self, mistake: &WriterMistake) -> (usize, String, Vec<String>) {
         let ask = |query: &Request<'_, WriteView>, _: usize| {
             let (request, correct) = &self.all[query.name];
-            let file = write_with_mistake(request, mistake.step).unwrap_or_else(|| correct.clone());
+            let file =
+                write_with_mistake(request, mistake.change).unwrap_or_else(|| correct.clone());
             Reply::from(Answer::Decoded(WrittenFile(file)))
         };
         let plan = RunPlan::new(&self.suite, 2);

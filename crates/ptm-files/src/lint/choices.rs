@@ -6,7 +6,8 @@ use super::codes::{self, Problem};
 use super::diagnostic::Findings;
 use crate::describe_position;
 use crate::dissection::{Dissection, Role};
-use ptm::decode::{Alternative, StoredMap, Streams, open_as};
+use ptm::decode::lookup_table::read_newline_separator;
+use ptm::decode::{StoredMap, Streams, open_as};
 use ptm::evaluate;
 use ptm::reading::Reading;
 use ptm::{Coding, Format, Limits, Planes, Ptm, Shape, Size};
@@ -74,7 +75,10 @@ fn diagnose_tables(findings: &mut Findings, ptm: &Ptm) {
         None => "only the number",
     };
     findings.add(Problem::ChoiceLutCount, Role::Count, spelling);
-    let with_newline = Reading::SPEC.with_alternative(Alternative::NewlineAfterTable);
+    let with_newline = Reading {
+        after_table: read_newline_separator,
+        ..Reading::SPEC
+    };
     if let Some(difference) = difference(dissection, ptm, None, &with_newline) {
         let found = format!("for a reader that expects a line feed after the table, {difference}");
         findings.add(Problem::ChoiceLutNewline, Role::Indices, found);

@@ -114,12 +114,12 @@ impl ReaderProfile {
         // If two misreadings changed the same decision, the second would replace the first.
         let mut seen: Vec<&Misreading> = Vec::new();
         for misreading in self.active_misreadings() {
-            if !misreading.step.is_decision() {
+            if !misreading.is_decision() {
                 continue;
             }
             if let Some(other) = seen
                 .iter()
-                .find(|other| other.step.changes_same_step(&misreading.step))
+                .find(|other| other.changes_same_step(misreading))
             {
                 let (first, second) = (other.slug, misreading.slug);
                 return fail(format!("{first} and {second} change the same decision"));

@@ -197,6 +197,8 @@ pub struct StatedFormula {
     pub scope: Scope,
     /// Expression in this scope.
     pub expression: Expression,
+    /// Field of [`Reading`](ptm::Reading) that makes the same decision, if there is one.
+    pub step: Option<&'static str>,
 }
 
 #[derive(Deserialize)]
@@ -209,6 +211,7 @@ struct FormulaRecord {
     variables: String,
     #[serde(default)]
     lists: String,
+    step: Option<String>,
 }
 
 /// All formulas, in the order of [`Formula::ALL`].
@@ -239,6 +242,7 @@ fn read(text: &str) -> Result<Vec<StatedFormula>, String> {
             result: record.computes.leak(),
             scope,
             expression: expression.map_err(|error| format!("line {line}: {error}"))?,
+            step: record.step.map(|step| &*step.leak()),
         })
     };
     records.into_iter().map(stated).collect()

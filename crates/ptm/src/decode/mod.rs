@@ -10,6 +10,15 @@
 //! ```
 //!
 //! [`decode`] is the entry point. This module does no I/O, does not depend on file names, and contains no misreadings.
+//!
+//! The modules of the sections contain the functions of the decisions in [`Reading`], and beside each the alternatives that are
+//! equally correct.
+
+#![allow(
+    clippy::missing_errors_doc,
+    clippy::must_use_candidate,
+    reason = "the decoder calls the functions of decisions; each returns the error of its clause"
+)]
 
 /// §2.1 Header String
 mod header_string;
@@ -63,13 +72,11 @@ mod runs;
 /// Rows of the image, assembled from the values of 2.7, 2.8 or 2.9.8
 mod stored;
 
-/// [`Reading::SPEC`], and alternative readings of the open questions
+/// [`Reading::SPEC`]
 mod spec;
 
 pub use compressed::Streams;
 
-#[cfg(feature = "readings")]
-pub use spec::Alternative;
 pub use stored::StoredMap;
 
 use crate::error::{Error, Result};

@@ -238,43 +238,46 @@ fn sample_inside(plane: &[u8], size: Size, x: i64, y: i64) -> Option<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::decode::Alternative::{
-        self, BorderBlack, BorderGray, BorderMirrored, BorderWrapped, HalvesRoundedDown,
-        HalvesRoundedUpTwice, HalvesToEven, InversionAfterMotion, MotionAgainstRows,
-        MotionReversed, NoJpegLsOffset,
-    };
+
+    type Change = fn(&mut Reading);
+    const REFERENCE: Change = |_| {};
+    const ROUNDED_DOWN: Change = |r| r.motion_half = mean_rounded_down;
+    const ROUNDED_TO_EVEN: Change = |r| r.motion_half = mean_rounded_to_even;
+    const ROUNDED_UP_TWICE: Change = |r| r.motion_half = mean_rounded_up_twice;
+    const REVERSED: Change = |r| r.motion_sign = predictor_to_texel;
+    const AGAINST_ROWS: Change = |r| r.motion_vertical = y_against_stored_rows;
+    const WRAPPED: Change = |r| r.motion_border = wrap_border;
+    const MIRRORED: Change = |r| r.motion_border = mirror_border;
+    const GRAY: Change = |r| r.motion_border = gray_border;
+    const BLACK: Change = |r| r.motion_border = black_border;
 
     /// Reading, width, vector, and the displaced plane for the input 10, 21, 30, 40. The corpus has more tests of the
     /// reference's reading.
-    const DISPLACED: [(Option<Alternative>, u32, i64, i64, [u8; 4]); 15] = [
-        (None, 4, 1, 0, [16, 26, 35, 40]),
-        (Some(HalvesRoundedDown), 4, 1, 0, [15, 25, 35, 40]),
-        (Some(MotionReversed), 4, 2, 0, [10, 10, 21, 30]),
-        (Some(MotionAgainstRows), 1, 0, 2, [10, 10, 21, 30]),
-        (Some(MotionAgainstRows), 4, 2, 0, [21, 30, 40, 40]),
-        (Some(BorderWrapped), 4, 2, 0, [21, 30, 40, 10]),
-        (Some(BorderGray), 4, 2, 0, [21, 30, 40, 128]),
-        (Some(BorderGray), 4, 1, 0, [16, 26, 35, 84]),
-        (Some(BorderBlack), 4, 1, 0, [16, 26, 35, 20]),
-        (Some(BorderMirrored), 4, 6, 0, [40, 40, 30, 21]),
-        (Some(BorderMirrored), 1, 0, -4, [21, 10, 10, 21]),
-        (Some(HalvesToEven), 4, 1, 0, [16, 26, 35, 40]),
+    const DISPLACED: [(Change, u32, i64, i64, [u8; 4]); 15] = [
+        (REFERENCE, 4, 1, 0, [16, 26, 35, 40]),
+        (ROUNDED_DOWN, 4, 1, 0, [15, 25, 35, 40]),
+        (REVERSED, 4, 2, 0, [10, 10, 21, 30]),
+        (AGAINST_ROWS, 1, 0, 2, [10, 10, 21, 30]),
+        (AGAINST_ROWS, 4, 2, 0, [21, 30, 40, 40]),
+        (WRAPPED, 4, 2, 0, [21, 30, 40, 10]),
+        (GRAY, 4, 2, 0, [21, 30, 40, 128]),
+        (GRAY, 4, 1, 0, [16, 26, 35, 84]),
+        (BLACK, 4, 1, 0, [16, 26, 35, 20]),
+        (MIRRORED, 4, 6, 0, [40, 40, 30, 21]),
+        (MIRRORED, 1, 0, -4, [21, 10, 10, 21]),
+        (ROUNDED_TO_EVEN, 4, 1, 0, [16, 26, 35, 40]),
         // The only mean of four is that of 10, 21, 30 and 40: 25.25. The means along x are 16 and 35.
-        (None, 2, 1, 1, [25, 31, 35, 40]),
-        (Some(HalvesRoundedUpTwice), 2, 1, 1, [26, 31, 35, 40]),
-        (Some(HalvesToEven), 2, 1, 1, [25, 30, 35, 40]),
+        (REFERENCE, 2, 1, 1, [25, 31, 35, 40]),
+        (ROUNDED_UP_TWICE, 2, 1, 1, [26, 31, 35, 40]),
+        (ROUNDED_TO_EVEN, 2, 1, 1, [25, 30, 35, 40]),
     ];
-
-    fn reading(alternative: Option<Alternative>) -> Reading {
-        alternative.map_or(Reading::SPEC, |alternative| {
-            Reading::SPEC.with_alternative(alternative)
-        })
-    }
 
     #[test]
     fn motion_readings_give_different_planes() {
-        for (i, (alternative, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
-            let (height, reading) = (4 / width, reading(alternative));
+        for (i, (change, width, mx, my, expected)) in DISPLACED.into_iter().enumerate() {
+            let mut reading = Reading::SPEC;
+            change(&mut reading);
+            let height = 4 / width;
             let (size, plane) = (Size { width, height }, [10, 21, 30, 40]);
             assert_eq!(
                 displace_plane(&plane, size, (mx, my), &reading),
@@ -289,23 +292,29 @@ mod tests {
 
     #[test]
     fn prediction_readings_give_different_planes() {
-        let predicted = |alternative, coding| {
+        let predicted = |reading: Reading, coding| {
             let step = Step {
                 reference: Some(0),
                 inverted: true,
                 displaced: true,
                 motion: (1, 0),
             };
-            let (mut plane, reading) = ([140, 140], reading(alternative));
+            let mut plane = [140, 140];
             let size = "2x1".parse().expect("a size");
             predict_plane(coding, &mut plane, &[10, 21], &step, size, &reading);
             plane
         };
         // 245 and 234: (245 + 234 + 1) >> 1 = 240. After motion: 255 − 16 = 239.
-        assert_eq!(predicted(None, Coding::JpegLs), [252, 246]);
-        let after = Some(InversionAfterMotion);
+        assert_eq!(predicted(Reading::SPEC, Coding::JpegLs), [252, 246]);
+        let after = Reading {
+            predictor: displace_then_invert,
+            ..Reading::SPEC
+        };
         assert_eq!(predicted(after, Coding::JpegLs), [251, 246]);
-        let without = Some(NoJpegLsOffset);
+        let without = Reading {
+            predict_jpeg_ls: predict_without_offset,
+            ..Reading::SPEC
+        };
         assert_eq!(predicted(without, Coding::JpegLs), [124, 118]);
         assert_eq!(predicted(without, Coding::Jpeg), [252, 246]);
     }
