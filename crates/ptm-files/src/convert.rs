@@ -10,6 +10,7 @@
 //! - The colors of LUM depend on three open questions, so LUM is not converted to any other format.
 
 use crate::dissection::{Dissection, Role};
+use crate::error::{Error, Result};
 use crate::{describe_position, join_texts};
 use ptm::decode::decode;
 use ptm::{Coding, Format, Ptm, Shape};
@@ -32,16 +33,18 @@ impl Target {
     /// # Errors
     /// Returns a message for a JPEG format without a quality, another format with a quality, or a loss for any format but
     /// JPEG-LS.
-    pub fn check(self) -> Result<(), String> {
+    pub fn check(self) -> Result<()> {
         let format = self.format;
         let is_jpeg = format.coding() == Some(Coding::Jpeg);
         match self.quality {
-            None if is_jpeg => Err(format!(
+            None if is_jpeg => Error::impossible(format!(
                 "quality: expected 20 to 100 for the lossy format {format}; JPEGLS formats can be exact"
             )),
-            Some(_) if !is_jpeg => Err(format!("quality is for JPEG formats, not for {format}")),
+            Some(_) if !is_jpeg => {
+                Error::impossible(format!("quality is for JPEG formats, not for {format}"))
+            }
             _ if self.loss > 0 && (is_jpeg || format.coding().is_none()) => {
-                Err(format!("loss is for JPEGLS formats, not for {format}"))
+                Error::impossible(format!("loss is for JPEGLS formats, not for {format}"))
             }
             _ => Ok(()),
         }
@@ -63,7 +66,7 @@ pub struct ConvertedMap {
 ///
 /// # Errors
 /// Returns a message if the target cannot represent the map, or if the converted file differs from the map when it is read back.
-pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<ConvertedMap, String> {
+pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<ConvertedMap> {
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
     let recipe = recipe(dissection, ptm, target)?;
@@ -79,7 +82,7 @@ pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Con
 
 /// Returns the recipe of the converted file. Scales keep their spelling, biases are written as integers, and everything
 /// else uses the spelling that every known reader accepts.
-fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, String> {
+fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe> {
     let texts = |role: fn(usize) -> Role, count: usize| {
         join_texts((0..count).filter_map(|i| dissection.text(role(i))), " ")
     };
@@ -100,16 +103,16 @@ fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe, 
 }
 
 /// Converts the values of the map to the planes of the target format.
-fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
+fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>> {
     let source = ptm.header.format;
     match (ptm.planes.shape, target.shape()) {
         (Shape::Rgb, Shape::Rgb) | (Shape::Lrgb, Shape::Lrgb) | (Shape::Lum(_), Shape::Lum(())) => {
             Ok(ptm.planes.samples.clone())
         }
-        (Shape::Lum(_), _) => Err(format!(
+        (Shape::Lum(_), _) => Error::impossible(format!(
             "cannot convert {source} to {target}: the colors of LUM can be read in several ways (rulings lum-vector, lum-major, lum-range), so no other format can represent all of them"
         )),
-        (_, Shape::Lum(())) => Err(format!(
+        (_, Shape::Lum(())) => Error::impossible(format!(
             "cannot convert {source} to {target}: conversion to Y, Cr and Cb always loses precision"
         )),
         _ => convert_texels(ptm, target),
@@ -131,14 +134,14 @@ const MAX_ABSOLUTE_BIAS: f64 = 1e9;
 type TexelRule = fn(&[u8], &[i64; 6], [bool; 6]) -> Option<Vec<u8>>;
 
 /// Converts every texel between RGB and LRGB, or reports the first texel that the target cannot represent.
-fn convert_texels(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
+fn convert_texels(ptm: &Ptm, target: Format) -> Result<Vec<u8>> {
     let (why, convert): (_, TexelRule) = match ptm.planes.shape {
         Shape::Rgb => (NOT_ONE_POLYNOMIAL, factor_colors),
         _ => (NOT_A_BYTE, multiply_colors),
     };
     let (source, set) = (ptm.header.format, &ptm.header.scale_bias);
     if set.bias.iter().any(|bias| bias.abs() > MAX_ABSOLUTE_BIAS) {
-        return Err(format!(
+        return Error::impossible(format!(
             "cannot convert {source} to {target}: a bias exceeds {MAX_ABSOLUTE_BIAS}"
         ));
     }
@@ -157,7 +160,7 @@ fn convert_texels(ptm: &Ptm, target: Format) -> Result<Vec<u8>, String> {
     };
     let (count, size) = (misfits.len(), ptm.planes.size);
     let (all, position) = (size.texels(), describe_position(size, first));
-    Err(format!(
+    Error::impossible(format!(
         "cannot convert {source} to {target}: {count} of {all} texels do not fit, the first at {position}: {why}"
     ))
 }
@@ -224,26 +227,26 @@ fn greatest_common_divisor(a: i64, b: i64) -> i64 {
 }
 
 /// Reads the converted file back and compares it with the map. Returns the largest difference between stored values.
-fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8, String> {
+fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8> {
     let bug = "this is a bug in ptm-conform, and nothing was written";
     let wrong = |fault: &str| format!("the converted file was read back and {fault}; {bug}");
     let back = decode(bytes).map_err(|error| wrong(&format!("is refused: {error}")))?;
     if back.header.size != ptm.header.size || back.header.scale_bias != ptm.header.scale_bias {
-        return Err(wrong("has a different header"));
+        return Err(wrong("has a different header").into());
     }
     let pairs = back.planes.samples.iter().zip(samples);
     let largest = pairs.map(|(a, b)| a.abs_diff(*b)).max().unwrap_or(0);
     if target.format.coding() != Some(Coding::Jpeg) && largest > target.loss {
-        return Err(wrong("contains different values"));
+        return Err(wrong("contains different values").into());
     }
     if back.planes.shape.channels() != ptm.planes.shape.channels() && largest == 0 {
-        check_same_colors(ptm, &back).map_err(|fault| wrong(&fault))?;
+        check_same_colors(ptm, &back).map_err(|fault| wrong(&fault.to_string()))?;
     }
     Ok(largest)
 }
 
 /// Checks that an RGB map and an LRGB map have the same colors. A polynomial has six coefficients, so six lights suffice.
-fn check_same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
+fn check_same_colors(a: &Ptm, b: &Ptm) -> Result<()> {
     const LU: [f64; 6] = [0.0, 0.5, 0.0, -0.5, 0.25, 0.625];
     const LV: [f64; 6] = [0.0, 0.0, 0.5, 0.25, -0.5, 0.625];
     let (a, b) = (a.coefficients(), b.coefficients());
@@ -251,7 +254,7 @@ fn check_same_colors(a: &Ptm, b: &Ptm) -> Result<(), String> {
         let (a, b) = (a.evaluate(lu, lv), b.evaluate(lu, lv));
         let mut pairs = a.values.iter().zip(&b.values);
         if pairs.any(|(a, b)| (a - b).abs() > 1e-6) {
-            return Err(format!("has different colors under the light {lu},{lv}"));
+            return Error::impossible(format!("has different colors under the light {lu},{lv}"));
         }
     }
     Ok(())

@@ -5,6 +5,7 @@
 
 use super::convert::{ConvertedMap, Target, convert};
 use super::{dissection::Dissection, join_texts};
+use crate::error::{Error, Result};
 use crate::readers::{OpenedFile, ReaderProfile, Rendering};
 use ptm::{Coding, Format, Ptm};
 
@@ -27,7 +28,7 @@ pub fn convert_for(
     dissection: &Dissection,
     ptm: &Ptm,
     readers: &[&ReaderProfile],
-) -> Result<(Format, ConvertedMap), String> {
+) -> Result<(Format, ConvertedMap)> {
     let own = ptm.header.format;
     let others = FORMATS_TO_TRY.into_iter().filter(|&format| format != own);
     let is_supported = |format: &Format| readers.iter().all(|reader| reader.reads(*format));
@@ -35,18 +36,18 @@ pub fn convert_for(
     let formats: Vec<Format> = formats.collect();
     let names = join_texts(readers.iter().map(|reader| &*reader.name), " and ");
     if formats.is_empty() {
-        return Err(
-            "no lossless format is supported by all of these readers: ".to_owned() + &names,
-        );
+        return Error::impossible(format!(
+            "no lossless format is supported by all of these readers: {names}"
+        ));
     }
     let mut reasons = Vec::new();
     for format in formats {
         match try_format(dissection, ptm, format, readers) {
             Ok(converted) => return Ok((format, converted)),
-            Err(why) => reasons.push(why),
+            Err(why) => reasons.push(why.to_string()),
         }
     }
-    Err(format!(
+    Error::impossible(format!(
         "{names} would not display this map correctly in any format: {}",
         reasons.join("; ")
     ))
@@ -58,9 +59,9 @@ fn try_format(
     ptm: &Ptm,
     format: Format,
     readers: &[&ReaderProfile],
-) -> Result<ConvertedMap, String> {
+) -> Result<ConvertedMap> {
     if format.coding() == Some(Coding::Jpeg) {
-        return Err(format!("{format} is lossy"));
+        return Error::impossible(format!("{format} is lossy"));
     }
     let (quality, loss) = (None, 0);
     let target = Target {
@@ -75,7 +76,7 @@ fn try_format(
         if prediction.result != Rendering::Right {
             let (shows, how) = (prediction.result.name(), prediction.fault);
             let reader = prediction.reader;
-            return Err(format!("as {format}, {reader} would show {shows} ({how})"));
+            return Error::impossible(format!("as {format}, {reader} would show {shows} ({how})"));
         }
     }
     Ok(converted)

@@ -1,5 +1,6 @@
 //! Exports values to OpenEXR, NPY and PNG.
 
+use crate::error::Result;
 use std::io::Cursor;
 
 use exr::meta::attribute::{AttributeValue, Text};
@@ -17,7 +18,7 @@ use ptm::{Ptm, Shape, Size, channel_name};
 ///
 /// # Errors
 /// Returns an error if the map is too large for the format.
-pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
+pub fn exr(ptm: &Ptm) -> Result<Vec<u8>> {
     let coefficients = ptm.coefficients();
     let set = &ptm.header.scale_bias;
     let (scale, bias) = (join_texts(set.scale, " "), join_texts(set.bias, " "));
@@ -33,12 +34,7 @@ pub fn exr(ptm: &Ptm) -> Result<Vec<u8>, String> {
 ///
 /// # Errors
 /// Returns an error if the map is too large for the format.
-pub fn encode_exr(
-    values: &[f64],
-    size: Size,
-    channels: usize,
-    text: &str,
-) -> Result<Vec<u8>, String> {
+pub fn encode_exr(values: &[f64], size: Size, channels: usize, text: &str) -> Result<Vec<u8>> {
     let channel = |channel: usize| {
         let plane = values.iter().skip(channel).step_by(channels);
         let samples = FlatSamples::F32(plane.map(|&value| value as f32).collect());

@@ -1,11 +1,13 @@
 #![doc = include_str!("../README.md")]
 
+pub use error::{Error, Result};
 use ptm::Size;
 
 pub mod convert;
 pub mod convert_for;
 pub mod diff;
 pub mod dissection;
+pub mod error;
 pub mod export;
 pub mod inspect;
 pub mod lint;

@@ -3,6 +3,7 @@
 //! Unlike `corpus/`, which is for the tests of this repository, an exported corpus needs no protocol: a test loads a file,
 //! decodes it, and compares the result with an array. The same version and profile always produce the same bytes.
 
+use crate::error::{Error, Result};
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
@@ -91,13 +92,13 @@ impl Profile {
 }
 
 impl FromStr for Profile {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(name: &str) -> Result<Profile, String> {
+    fn from_str(name: &str) -> Result<Profile> {
         let mut profiles = Profile::ALL.into_iter();
         match profiles.find(|(_, known, _)| *known == name) {
             Some((profile, ..)) => Ok(profile),
-            None => Err(format!(
+            None => Error::impossible(format!(
                 "unknown profile {name:?}; profiles are minimal, standard and exhaustive"
             )),
         }
@@ -216,7 +217,7 @@ pub fn write(
     Ok(manifest)
 }
 
-fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>), String> {
+fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>)> {
     let built = case.build(TableSpelling::default());
     let folder = case.format().short_name().to_lowercase();
     let file = format!("files/{folder}/{}.ptm", case.id);
@@ -265,7 +266,7 @@ fn answers(
     expected: &Expected,
     profile: Profile,
     outputs: &mut Vec<ProfileFile>,
-) -> Result<Vec<ProfileAnswer>, String> {
+) -> Result<Vec<ProfileAnswer>> {
     let axes = relevant_axes(case, values, view).into_iter();
     let shows: Vec<&str> = axes.map(|axis| CHOICES[axis].ruling).collect();
     // `raw`, `coef`, `rgb-0.25--0.5`
@@ -299,7 +300,7 @@ fn encode_answer(
     expected: &Expected,
     description: &str,
     profile: Profile,
-) -> Result<Vec<(&'static str, Vec<u8>)>, String> {
+) -> Result<Vec<(&'static str, Vec<u8>)>> {
     let (size, channels) = (expected.size, expected.channels);
     let png =
         |image: DynamicImage| Ok::<_, String>(("png", encode_image(&image, ImageFormat::Png)?));

@@ -1,5 +1,6 @@
 //! Renders a map under one light, under many lights, or as surface normals.
 
+use crate::error::{Error, Result};
 use std::io::Cursor;
 
 use image::codecs::jpeg::JpegEncoder;
@@ -31,7 +32,7 @@ pub fn render_lit(coefficients: &Coefficients, lu: f64, lv: f64) -> RgbImage {
 ///
 /// # Errors
 /// Returns an error if the sheet is larger than 1 GiB.
-pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage, String> {
+pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage> {
     let coefficients = ptm.coefficients();
     let step = |i: u32| match side {
         1 => 0.0,
@@ -43,7 +44,7 @@ pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage, String> {
     let (sheet_width, sheet_height) = (offset(side, width), offset(side, height));
     let bytes = 3 * u64::from(sheet_width) * u64::from(sheet_height);
     if bytes > MAX_IMAGE_BYTES {
-        return Err(format!(
+        return Error::impossible(format!(
             "a sheet of {bytes} bytes is too large; request fewer or smaller images"
         ));
     }
@@ -141,7 +142,7 @@ pub fn rgb(size: Size, samples: Vec<u8>) -> RgbImage {
 ///
 /// # Errors
 /// Returns an error if the image is too large for the format.
-pub fn encode_image(image: &DynamicImage, kind: ImageFormat) -> Result<Vec<u8>, String> {
+pub fn encode_image(image: &DynamicImage, kind: ImageFormat) -> Result<Vec<u8>> {
     let mut out = Cursor::new(Vec::new());
     let result = match kind {
         ImageFormat::Pnm => {
@@ -162,12 +163,12 @@ pub fn encode_image(image: &DynamicImage, kind: ImageFormat) -> Result<Vec<u8>, 
 ///
 /// # Errors
 /// Returns an error if the image is larger than 1 GiB.
-pub fn upscale(image: &RgbImage, factor: u32) -> Result<RgbImage, String> {
+pub fn upscale(image: &RgbImage, factor: u32) -> Result<RgbImage> {
     let area = u64::from(factor) * u64::from(factor);
     let bytes = area.saturating_mul(image.len() as u64);
     if bytes > MAX_IMAGE_BYTES {
         let hint = "request a smaller factor";
-        return Err(format!("an image of {bytes} bytes is too large; {hint}"));
+        return Error::impossible(format!("an image of {bytes} bytes is too large; {hint}"));
     }
     let (width, height) = (image.width() * factor, image.height() * factor);
     let pixel = |x, y| *image.get_pixel(x / factor, y / factor);

@@ -8,6 +8,7 @@
 //! If the reference can read the file, the repaired file has the same values. Nothing is repaired if the correction is ambiguous.
 //! For example, copying a file in text mode also changes payload bytes, which cannot be identified later.
 
+use crate::error::{Error, Result};
 use std::collections::HashSet;
 
 use super::dissection::{Dissection, FilePart, Role};
@@ -39,7 +40,7 @@ struct LenientHeader<'a> {
 ///
 /// # Errors
 /// Returns a message if there is nothing to repair, or if the faults cannot be repaired without guessing.
-pub fn repair(file: &[u8]) -> Result<RepairedFile, String> {
+pub fn repair(file: &[u8]) -> Result<RepairedFile> {
     let before = decode(file);
     let mut changes = Vec::new();
     let mut bytes = file.to_vec();
@@ -52,7 +53,7 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile, String> {
     if is_read && end < bytes.len() {
         let rest = bytes.len() - end;
         if may_be_values(&bytes, end) {
-            return Err(format!(
+            return Error::impossible(format!(
                 "{rest} bytes follow the last value, but they may be values: check the size and the whitespace in the header"
             ));
         }
@@ -61,24 +62,24 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile, String> {
     }
     bytes = remove_overridden_records(bytes, &mut changes)?;
     if changes.is_empty() {
-        return Err("there is nothing to repair".to_owned());
+        return Error::impossible("there is nothing to repair");
     }
     let bug = "this is a bug in ptm-conform, and nothing was written";
     let malformed = |error| format!("the result is malformed: {error}; {bug}");
     let after = decode(&bytes).map_err(malformed)?;
     if before.is_ok_and(|before| before != after) || Lint::new("", &bytes).errors > 0 {
-        return Err(format!("the result is a different map; {bug}"));
+        return Error::impossible(format!("the result is a different map; {bug}"));
     }
     Ok(RepairedFile { bytes, changes })
 }
 
 impl<'a> LenientHeader<'a> {
     /// Reads a header with arbitrary whitespace between its words.
-    fn read(file: &'a [u8]) -> Result<LenientHeader<'a>, String> {
+    fn read(file: &'a [u8]) -> Result<LenientHeader<'a>> {
         let mut offset = 0;
         let version = next_word(file, &mut offset)?;
         if version != "PTM_1.2" {
-            return Err("the file does not begin with PTM_1.2".to_owned());
+            return Error::impossible("the file does not begin with PTM_1.2");
         }
         let line_end = match strip_leading_blanks(&file[offset..]) {
             [b'\r', b'\n', ..] => "\r\n",
@@ -92,7 +93,7 @@ impl<'a> LenientHeader<'a> {
         let planes = format.channels();
         let more = match format {
             Format::PtmLut | Format::PtmCLut => {
-                return Err("headers of files with a lookup table are not repaired".to_owned());
+                return Error::impossible("headers of files with a lookup table are not repaired");
             }
             Format::Lum => vec![16],
             _ if format.coding().is_some() => [&[1][..], &[planes; 7]].concat(),
@@ -112,21 +113,21 @@ impl<'a> LenientHeader<'a> {
         })
     }
 
-    fn into_legal_file(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
+    fn into_legal_file(mut self, changes: &mut Vec<String>) -> Result<Vec<u8>> {
         const WHITESPACE: &str = "replaced the whitespace in the header with spaces and line feeds";
         let normalized = self.to_bytes();
         if decode(&normalized).is_ok() {
             let is_exact = Dissection::parse(&normalized).end() == normalized.len();
             if self.line_end != "\n" && !is_exact || self.has_converted_payload() {
                 let why = "the file seems to have been copied in text mode, which also changes the payload";
-                return Err(why.to_owned());
+                return Error::impossible(why);
             }
             changes.push(WHITESPACE.to_owned());
             return Ok(normalized);
         }
         if self.format.coding().is_none() {
             let why = "the faults cannot be repaired without guessing; `lint` lists them";
-            return Err(why.to_owned());
+            return Error::impossible(why);
         }
         self.measure_streams(changes)?;
         Ok(self.to_bytes())
@@ -154,7 +155,7 @@ impl<'a> LenientHeader<'a> {
     }
 
     /// Corrects the compressed sizes if the streams and their side information fill the payload without gaps.
-    fn measure_streams(&mut self, changes: &mut Vec<String>) -> Result<(), String> {
+    fn measure_streams(&mut self, changes: &mut Vec<String>) -> Result<()> {
         const SIZES: usize = 12;
         let ambiguous = "the streams do not determine the correct sizes";
         let mut offset = 0_usize;
@@ -173,7 +174,7 @@ impl<'a> LenientHeader<'a> {
         }
         match offset == self.payload.len() && !changes.is_empty() {
             true => Ok(()),
-            false => Err(ambiguous.to_owned()),
+            false => Error::impossible(ambiguous),
         }
     }
 }
@@ -198,7 +199,7 @@ fn may_be_values(bytes: &[u8], end: usize) -> bool {
 }
 
 /// Skips whitespace and returns the next word of a header. Advances `offset` to the end of the word.
-fn next_word(file: &[u8], offset: &mut usize) -> Result<String, String> {
+fn next_word(file: &[u8], offset: &mut usize) -> Result<String> {
     let is_blank = |byte: &&u8| matches!(byte, b' ' | b'\t' | b'\r' | b'\n');
     *offset += file[*offset..].iter().take_while(is_blank).count();
     let rest = file[*offset..].iter();
@@ -206,7 +207,7 @@ fn next_word(file: &[u8], offset: &mut usize) -> Result<String, String> {
     let word = String::from_utf8_lossy(&file[*offset..*offset + length]).into_owned();
     *offset += length;
     match length {
-        0 => Err(format!("the header cannot be read beyond byte {offset}")),
+        0 => Error::impossible(format!("the header cannot be read beyond byte {offset}")),
         _ => Ok(word),
     }
 }
@@ -226,10 +227,10 @@ fn stream_length(stream: &[u8]) -> Option<usize> {
 }
 
 /// Removes records that a later record for the same texel overrides.
-fn remove_overridden_records(bytes: Vec<u8>, changes: &mut Vec<String>) -> Result<Vec<u8>, String> {
+fn remove_overridden_records(bytes: Vec<u8>, changes: &mut Vec<String>) -> Result<Vec<u8>> {
     let dissection = Dissection::parse(&bytes);
     if let Err(error) = &dissection.outcome {
-        return Err(error.to_string());
+        return Err(error.clone().into());
     }
     let mut edits = Vec::new();
     for plane in 0..dissection.compressed_planes() {

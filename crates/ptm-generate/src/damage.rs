@@ -5,6 +5,7 @@
 //!
 //! Every edit replaces ranges of the undamaged file, so the order of the edits in a damage does not matter.
 
+use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -121,7 +122,7 @@ impl Damage {
     ///
     /// # Errors
     /// Returns an error if the file lacks a place that the damage edits.
-    pub fn apply(&self, written: &GeneratedFile, model: &Model) -> Result<Vec<u8>, String> {
+    pub fn apply(&self, written: &GeneratedFile, model: &Model) -> Result<Vec<u8>> {
         self.needs.check(model)?;
         let file = NamedPlaces { written, model };
         let mut splices = self.content_edits(&file)?;
@@ -140,7 +141,7 @@ impl Damage {
     }
 
     /// Returns the edits that write new bytes: replacements, insertions, overwrites, fills and flips.
-    fn content_edits(&self, file: &NamedPlaces) -> Result<Vec<Splice>, String> {
+    fn content_edits(&self, file: &NamedPlaces) -> Result<Vec<Splice>> {
         let edits: [(
             &BTreeMap<DamagePlace, String>,
             fn(&[u8], Vec<u8>) -> ByteEdit,
@@ -179,7 +180,7 @@ impl Damage {
         self.header.iter().flat_map(replacements).collect()
     }
 
-    fn removals(&self, file: &NamedPlaces) -> Result<Vec<Splice>, String> {
+    fn removals(&self, file: &NamedPlaces) -> Result<Vec<Splice>> {
         let bytes = &file.written.bytes;
         let mut removed = Vec::new();
         for (place, &count) in &self.cut {
@@ -201,7 +202,9 @@ impl Damage {
         if let Some(place) = &self.remove_line {
             let start = file.spot(place)?.range.start;
             let length = bytes[start..].iter().position(|&byte| byte == b'\n');
-            let length = 1 + length.ok_or("no line feed follows the location")?;
+            let length = 1 + length.ok_or(Error::NotApplicable(
+                "no line feed follows the location".into(),
+            ))?;
             removed.push(Spot::outside(start..start + length));
         }
         if let Some(place) = &self.end {
@@ -263,27 +266,34 @@ impl Damage {
 }
 
 impl Needs {
-    fn check(&self, model: &Model) -> Result<(), String> {
-        let size = self.size.as_deref().map(str::parse::<Size>).transpose()?;
+    fn check(&self, model: &Model) -> Result<()> {
+        let size = self.size.as_deref().map(|text| {
+            text.parse::<Size>()
+                .map_err(|_| Error::syntax("a size such as 8x5", text))
+        });
+        let size = size.transpose()?;
         let planes = self.planes;
         let is_met = planes.is_none_or(|planes| planes == model.format.channels())
             && size.is_none_or(|size| size == model.size)
             && (self.coding.is_none() || self.coding == model.format.coding());
-        is_met.then_some(()).ok_or_else(|| {
-            "the file does not have the number of planes, the size or the coding that this damage requires".to_owned()
-        })
+        if is_met {
+            Ok(())
+        } else {
+            let reason = "the file does not have the number of planes, the size or the coding that this damage requires";
+            Err(Error::NotApplicable(reason.into()))
+        }
     }
 }
 
 /// Returns the bytes of new content for a range: `hex` bytes, a stand-in `stream`, or text with placeholders.
-fn expand_content(content: &str, file: &NamedPlaces, at: &Range<usize>) -> Result<Vec<u8>, String> {
+fn expand_content(content: &str, file: &NamedPlaces, at: &Range<usize>) -> Result<Vec<u8>> {
     if let Some(hex) = content.strip_prefix("hex ") {
         let words = hex.split_whitespace();
-        let words: Result<Vec<_>, _> = words.map(|word| hex_bytes(word, file.model)).collect();
+        let words: Result<Vec<_>> = words.map(|word| hex_bytes(word, file.model)).collect();
         return Ok(words?.concat());
     }
     if let Some(name) = content.strip_prefix("stream ") {
-        let unknown = || format!("unknown stream {name:?}");
+        let unknown = || Error::unknown("stream", name);
         let gray = name.strip_prefix("gray-").ok_or_else(unknown)?;
         let stand_in = StandIn::deserialize(gray.into_deserializer());
         return stand_in
@@ -303,8 +313,8 @@ fn expand_content(content: &str, file: &NamedPlaces, at: &Range<usize>) -> Resul
 }
 
 /// Parses `ff`, `a5*5000` or `80*{texels}`: a byte and an optional count. `{texels}` is the number of texels as a big-endian u32.
-fn hex_bytes(word: &str, model: &Model) -> Result<Vec<u8>, String> {
-    let unknown = || format!("expected a byte in hex, found {word:?}");
+fn hex_bytes(word: &str, model: &Model) -> Result<Vec<u8>> {
+    let unknown = || Error::syntax("a byte in hex", word);
     let texels = model.size.texels();
     if word == "{texels}" {
         return Ok((texels as u32).to_be_bytes().to_vec());
@@ -319,18 +329,18 @@ fn hex_bytes(word: &str, model: &Model) -> Result<Vec<u8>, String> {
     Ok(vec![byte.ok_or_else(unknown)?; times.ok_or_else(unknown)?])
 }
 
-fn add_to_number(file: &NamedPlaces, place: &DamagePlace, amount: &str) -> Result<Splice, String> {
+fn add_to_number(file: &NamedPlaces, place: &DamagePlace, amount: &str) -> Result<Splice> {
     let spot = file.spot(place)?;
     let number = |text: &str| {
-        let number: Result<i128, _> = text.parse();
-        number.map_err(|_| format!("expected a number, found {text:?}"))
+        text.parse::<i128>()
+            .map_err(|_| Error::syntax("a number", text))
     };
     let sum = number(&file.text(&spot.range))? + number(amount)?;
     Ok((spot, sum.to_string().into_bytes()))
 }
 
 /// Returns the edit that sets an index to a value past the last entry.
-fn set_index(file: &NamedPlaces, texel: TexelPlace, index: Index) -> Result<Splice, String> {
+fn set_index(file: &NamedPlaces, texel: TexelPlace, index: Index) -> Result<Splice> {
     let entries = file.model.entries();
     let width = if entries > 256 { 2 } else { 1 };
     let spot = file.spot(&"indices".parse()?)?;
@@ -346,7 +356,9 @@ fn set_index(file: &NamedPlaces, texel: TexelPlace, index: Index) -> Result<Spli
         Index::AllOnes => largest,
     };
     if index < entries || index > largest {
-        return Err("the table is full, so no index is past the last entry".to_owned());
+        return Err(Error::NotApplicable(
+            "the table is full, so no index is past the last entry".into(),
+        ));
     }
     let start = spot.range.start + width * texel;
     let range = start..start + width;
@@ -376,21 +388,21 @@ fn size_edits(file: &NamedPlaces, splices: &[Splice]) -> Vec<Splice> {
 }
 
 /// Applies non-overlapping splices to a file.
-fn apply_splices(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>, String> {
+fn apply_splices(bytes: &[u8], mut splices: Vec<Splice>) -> Result<Vec<u8>> {
     // An empty place may have the same start as the next field.
     splices.sort_by_key(|(spot, _)| (spot.range.start, spot.field));
     let (mut edited, mut at) = (Vec::with_capacity(bytes.len()), 0);
     for (Spot { range, .. }, new) in splices {
-        let between = bytes.get(at..range.start).ok_or("two edits overlap")?;
+        let between = bytes
+            .get(at..range.start)
+            .ok_or(Error::NotApplicable("two edits overlap".into()))?;
         edited.extend_from_slice(between);
         edited.extend_from_slice(&new);
         at = range.end;
     }
-    edited.extend_from_slice(
-        bytes
-            .get(at..)
-            .ok_or("an edit extends past the end of the file")?,
-    );
+    edited.extend_from_slice(bytes.get(at..).ok_or(Error::NotApplicable(
+        "an edit extends past the end of the file".into(),
+    ))?);
     Ok(edited)
 }
 

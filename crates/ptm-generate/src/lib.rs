@@ -1,5 +1,7 @@
 #![doc = include_str!("../README.md")]
 
+mod error;
+
 mod output;
 
 /// §2.1 Header String
@@ -66,6 +68,7 @@ mod place;
 mod stand_in;
 
 pub use damage::Damage;
+pub use error::{Error, Result};
 pub use model::Model;
 pub use output::GeneratedFile;
 pub use plan::Compression;

@@ -2,6 +2,7 @@
 //!
 //! The values of a file are computed from the painted scene, not by decoding the file.
 
+use crate::error::{Error, Result};
 use std::collections::HashMap;
 
 use super::paint::{entry_of_texel, sample};
@@ -59,7 +60,7 @@ impl Model {
     ///
     /// # Errors
     /// Returns an error if the map has more distinct texels than a table can have entries.
-    pub fn new(recipe: &Recipe, samples: &[u8]) -> Result<Model, String> {
+    pub fn new(recipe: &Recipe, samples: &[u8]) -> Result<Model> {
         let mut model = Model::uncompressed(recipe, samples.to_vec());
         if recipe.format.coding().is_some() {
             model.compress(recipe);
@@ -94,7 +95,7 @@ impl Model {
     }
 
     /// Builds a table of the distinct texels, and the indices into it.
-    fn collect_table(&mut self) -> Result<(), String> {
+    fn collect_table(&mut self) -> Result<()> {
         const MAX_TABLE_ENTRIES: usize = 65_536;
         let (size, width) = (self.format.entry_size(), self.size.width as usize);
         let mut known: HashMap<&[u8], u32> = HashMap::new();
@@ -114,9 +115,7 @@ impl Model {
         }
         let entries = known.len();
         if entries > MAX_TABLE_ENTRIES {
-            return Err(format!(
-                "the map has {entries} distinct texels, but two bytes can index at most {MAX_TABLE_ENTRIES} entries"
-            ));
+            return Err(Error::TooManyEntries { texels: entries });
         }
         (self.indices, self.table) = (indices, table);
         Ok(())

@@ -1,5 +1,6 @@
 //! Places in a file, in the syntax of damages: `width`, `bias[5]`, `plane[last].da+7`, `file-1 row`.
 
+use crate::error::{Error, Result};
 use std::ops::Range;
 use std::str::FromStr;
 
@@ -62,24 +63,24 @@ const NAMES: &str = "file|header|payload|version|format|width|height|scale|bias|
     plane|side information";
 
 impl FromStr for DamagePlace {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<DamagePlace, String> {
-        let unknown = |part: &str| format!("unknown {part} in the location {text:?}");
+    fn from_str(text: &str) -> Result<DamagePlace> {
+        let unknown = |kind| Error::unknown(kind, text);
         let offset_start = text.rfind(['+', '-', '/']).unwrap_or(text.len());
         let offset = Offset::parse(&text[offset_start..]);
         let path = &text[..offset.map_or(text.len(), |_| offset_start)];
         let (mut field, mut segment, mut which) = (path, None, Selector::Nth(0));
         if let Some((before, part)) = path.split_once('.') {
             field = before;
-            segment = Some(StreamPart::parse(part).ok_or_else(|| unknown("part"))?);
+            segment = Some(StreamPart::parse(part).ok_or_else(|| unknown("part in the location"))?);
         }
         if let Some((before, number)) = field.strip_suffix(']').and_then(|it| it.split_once('[')) {
             field = before;
-            which = Selector::parse(number).ok_or_else(|| unknown("number"))?;
+            which = Selector::parse(number).ok_or_else(|| unknown("number in the location"))?;
         }
         if NAMES.split('|').all(|name| name != field) {
-            return Err(unknown("field"));
+            return Err(unknown("field in the location"));
         }
         Ok(DamagePlace {
             name: field.to_owned(),
@@ -91,9 +92,9 @@ impl FromStr for DamagePlace {
 }
 
 impl TryFrom<String> for DamagePlace {
-    type Error = String;
+    type Error = Error;
 
-    fn try_from(text: String) -> Result<DamagePlace, String> {
+    fn try_from(text: String) -> Result<DamagePlace> {
         text.parse()
     }
 }
@@ -202,17 +203,19 @@ pub struct NamedPlaces<'a> {
 
 impl NamedPlaces<'_> {
     /// Returns the range of a place, which must occur exactly once.
-    pub fn spot(&self, place: &DamagePlace) -> Result<Spot, String> {
+    pub fn spot(&self, place: &DamagePlace) -> Result<Spot> {
         let spots = self.spots(place)?;
         let [spot] = &spots[..] else {
-            return Err(format!("several parts of the file match {}", place.name));
+            let reason = format!("several parts of the file match {}", place.name);
+            return Err(Error::NotApplicable(reason.into()));
         };
         Ok(spot.clone())
     }
 
     /// Returns all ranges of a place.
-    pub fn spots(&self, place: &DamagePlace) -> Result<Vec<Spot>, String> {
-        let missing = || format!("the file has no matching {}", place.name);
+    pub fn spots(&self, place: &DamagePlace) -> Result<Vec<Spot>> {
+        let missing =
+            || Error::NotApplicable(format!("the file has no matching {}", place.name).into());
         let spots = self.fields(place).ok_or_else(missing)?.into_iter();
         let part = |spot: Spot| {
             let range = self.part(place, spot.range)?;
@@ -284,7 +287,7 @@ impl NamedPlaces<'_> {
     }
 
     /// Returns the value of the placeholder `{name}` in the new content of a range.
-    pub fn fill(&self, name: &str, at: &Range<usize>) -> Result<String, String> {
+    pub fn fill(&self, name: &str, at: &Range<usize>) -> Result<String> {
         let plane = |which: Selector| which.plane(self.model).map(|plane| plane.to_string());
         let value = match name {
             "" => Some(self.text(at)),
@@ -298,6 +301,6 @@ impl NamedPlaces<'_> {
             "first" => plane(Selector::First),
             _ => Some(self.text(&self.spot(&name.parse()?)?.range)),
         };
-        value.ok_or_else(|| format!("the file has no {{{name}}}"))
+        value.ok_or_else(|| Error::NotApplicable(format!("the file has no {{{name}}}").into()))
     }
 }

@@ -2,6 +2,8 @@
 
 #![allow(clippy::cast_possible_wrap, reason = "there are at most 18 planes")]
 
+use crate::error::{Error, Result};
+use std::borrow::Cow;
 use std::collections::HashSet;
 use std::str::FromStr;
 
@@ -108,11 +110,11 @@ pub(super) enum Texels {
 }
 
 impl FromStr for Records {
-    type Err = String;
+    type Err = Error;
 
     /// Parses `PLANES:TEXELS`, such as `all:first`, `predicted:border`, `0:all`, `3:7+4+9`.
-    fn from_str(text: &str) -> Result<Records, String> {
-        let syntax_error = || format!("expected records such as 0:first, found {text:?}");
+    fn from_str(text: &str) -> Result<Records> {
+        let syntax_error = || Error::syntax("records such as 0:first", text);
         let (planes, texels) = text.split_once(':').ok_or_else(syntax_error)?;
         let planes = match planes {
             "all" => PlaneSelection::All,
@@ -360,7 +362,10 @@ impl Compression {
     }
 
     /// Returns an error if no file can be written with these lists.
-    pub(super) fn check(&self, size: Size) -> Result<(), String> {
+    pub(super) fn check(&self, size: Size) -> Result<()> {
+        fn invalid(reason: impl Into<Cow<'static, str>>) -> Result<()> {
+            Err(Error::InvalidRecipe(reason.into()))
+        }
         let count = self.order.len();
         let (transforms, references) = (self.transforms.len(), self.references.len());
         let lengths = [
@@ -370,17 +375,17 @@ impl Compression {
             references,
         ];
         if lengths != [count; 4] {
-            return Err(format!(
+            return invalid(format!(
                 "every list of this format must have {count} numbers"
             ));
         }
         for plane in 0..count {
             match self.reference(plane) {
                 Some(reference) if reference >= count => {
-                    return Err(format!("plane {reference} does not exist"));
+                    return invalid(format!("plane {reference} does not exist"));
                 }
                 Some(reference) if self.order[reference] >= self.order[plane] => {
-                    return Err(format!(
+                    return invalid(format!(
                         "plane {plane} is decoded before its reference {reference}"
                     ));
                 }
@@ -388,31 +393,31 @@ impl Compression {
             }
             let mut records = self.requested_records(plane, size).into_iter();
             if records.any(|texel| texel >= size.texels()) {
-                return Err("a record refers to a texel that does not exist".to_owned());
+                return invalid("a record refers to a texel that does not exist");
             }
         }
         if size.width > 0xffff || size.height > 0xffff {
-            return Err("a JPEG stream must not be wider or taller than 65,535 samples".to_owned());
+            return invalid("a JPEG stream must not be wider or taller than 65,535 samples");
         }
         match self.coding {
             Coding::Jpeg if !(1..=100).contains(&self.parameter) => {
-                Err("expected a quality from 1 to 100".to_owned())
+                invalid("expected a quality from 1 to 100")
             }
             Coding::Jpeg if self.stream.jpeg.step == Some(0) => {
-                Err("a quantization step must not be 0".to_owned())
+                invalid("a quantization step must not be 0")
             }
             Coding::Jpeg
                 if (self.stream.jpeg.table_numbers)
                     .is_some_and(|numbers| numbers.iter().any(|&number| number > 3)) =>
             {
-                Err("a table number must be at most 3".to_owned())
+                invalid("a table number must be at most 3")
             }
             // The mean of 255 and 0 is far from both, so a different inverse DCT could cause a large deviation.
-            Coding::Jpeg if self.residuals == Residuals::Natural && self.displaces() => Err(
-                "motion requires residuals that every inverse DCT reconstructs exactly".to_owned(),
-            ),
+            Coding::Jpeg if self.residuals == Residuals::Natural && self.displaces() => {
+                invalid("motion requires residuals that every inverse DCT reconstructs exactly")
+            }
             Coding::JpegLs if self.parameter > 127 => {
-                Err("expected a maximum error from 0 to 127".to_owned())
+                invalid("expected a maximum error from 0 to 127")
             }
             _ => Ok(()),
         }

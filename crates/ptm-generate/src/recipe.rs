@@ -1,5 +1,7 @@
 //! Recipes for files: format, size, scene, numbers, spelling.
 
+use crate::error::{Error, Result};
+use std::borrow::Cow;
 use std::str::FromStr;
 
 use super::{plan::Compression, scene::Scene, spelling::Spelling};
@@ -15,15 +17,15 @@ pub struct Numbers<const N: usize> {
 }
 
 impl<const N: usize> FromStr for Numbers<N> {
-    type Err = String;
+    type Err = Error;
 
     /// Parses numbers separated by spaces: `"2 2 0.5 1e-1 -3 .25"`.
-    fn from_str(text: &str) -> Result<Numbers<N>, String> {
+    fn from_str(text: &str) -> Result<Numbers<N>> {
         let values: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
-        let values = values.map_err(|_| format!("expected numbers, found {text:?}"))?;
+        let values = values.map_err(|_| Error::syntax("numbers", text))?;
         let values = values
             .try_into()
-            .map_err(|_| format!("expected {N} numbers, found {text:?}"))?;
+            .map_err(|_| Error::syntax(format!("{N} numbers"), text))?;
         Ok(Numbers {
             text: text.into(),
             values,
@@ -112,33 +114,35 @@ impl Recipe {
     ///
     /// # Errors
     /// Returns the reason why the recipe cannot be written.
-    pub fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<()> {
+        fn invalid(reason: impl Into<Cow<'static, str>>) -> Result<()> {
+            Err(Error::InvalidRecipe(reason.into()))
+        }
         if self.format.coding().is_some() {
             self.compression.check(self.size)?;
             if self.first_byte.is_some() {
-                return Err(
-                    "a compressed format cannot have `first_byte`, because the payload begins with a stream".to_owned(),
+                return invalid(
+                    "a compressed format cannot have `first_byte`, because the payload begins with a stream",
                 );
             }
         }
         if self.format.has_table() && !(1..=1 << 20).contains(&self.entries) {
-            return Err(format!(
+            return invalid(format!(
                 "expected 1 to {} table entries, found {}",
                 1 << 20,
                 self.entries
             ));
         }
         match &self.indices {
-            Indices::Below(0) => return Err("an index must not be negative".to_owned()),
+            Indices::Below(0) => return invalid("an index must not be negative"),
             Indices::BytesDiffer if self.entries < 2 => {
-                return Err(
-                    "expected at least 2 entries, because the two bytes of index 0 are equal"
-                        .to_owned(),
+                return invalid(
+                    "expected at least 2 entries, because the two bytes of index 0 are equal",
                 );
             }
-            Indices::List(list) if list.is_empty() => return Err("no indices listed".to_owned()),
+            Indices::List(list) if list.is_empty() => return invalid("no indices listed"),
             Indices::List(list) if list.iter().any(|&index| index >= self.entries) => {
-                return Err("an index is past the last entry".to_owned());
+                return invalid("an index is past the last entry");
             }
             _ => {}
         }
@@ -146,13 +150,12 @@ impl Recipe {
             || !(1..=1000).contains(&self.spelling.gap)
             || self.spelling.leading_zeros > 1000
         {
-            return Err(
-                "a matrix line must have 1, 4 or 16 numbers, a gap must have 1 to 1000 spaces, and a number at most 1000 leading zeros"
-                    .to_owned(),
+            return invalid(
+                "a matrix line must have 1, 4 or 16 numbers, a gap must have 1 to 1000 spaces, and a number at most 1000 leading zeros",
             );
         }
         if self.size.texels() > 1 << 26 {
-            return Err(format!(
+            return invalid(format!(
                 "{} texels exceed the limit for generated images",
                 self.size.texels()
             ));

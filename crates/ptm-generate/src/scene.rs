@@ -1,5 +1,6 @@
 //! Painted scenes, by name.
 
+use crate::error::{Error, Result};
 use std::str::FromStr;
 
 /// A pattern of samples.
@@ -44,10 +45,10 @@ pub enum Scene {
 }
 
 impl FromStr for Scene {
-    type Err = String;
+    type Err = Error;
 
     /// Parses the name of a variant in kebab case. `flat` and `framed` are followed by a value: `flat-200`, `framed-128`.
-    fn from_str(name: &str) -> Result<Scene, String> {
+    fn from_str(name: &str) -> Result<Scene> {
         Ok(match name {
             "noise" => Scene::Noise,
             "extremes" => Scene::Extremes,
@@ -69,7 +70,7 @@ impl FromStr for Scene {
                 let value = |prefix| name.strip_prefix(prefix)?.parse().ok();
                 let flat = value("flat-").map(Scene::Flat);
                 let scene = flat.or_else(|| value("framed-").map(Scene::Framed));
-                scene.ok_or_else(|| format!("unknown scene {name:?}"))?
+                scene.ok_or_else(|| Error::unknown("scene", name))?
             }
         })
     }

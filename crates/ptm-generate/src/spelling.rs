@@ -1,5 +1,6 @@
 //! Spellings of a header: all legal spellings, including those that the text does not specify.
 
+use crate::error::{Error, Result};
 use std::str::FromStr;
 
 /// A line of the header, named after the last item on it.
@@ -100,13 +101,13 @@ impl Count {
 }
 
 impl FromStr for Count {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(name: &str) -> Result<Count, String> {
+    fn from_str(name: &str) -> Result<Count> {
         Count::ALL
             .into_iter()
             .find(|count| count.name() == name)
-            .ok_or_else(|| format!("unknown count spelling {name:?}"))
+            .ok_or_else(|| Error::unknown("count spelling", name))
     }
 }
 

@@ -1,6 +1,7 @@
 //! Streams that replace those in a file but have wrong properties: gray planes with a wrong size, codec or number of components.
 //! They require an encoder, so `spec-cases/damages.yaml` contains only their names.
 
+use crate::error::{Error, Result};
 use serde::Deserialize;
 
 use super::{model::Model, place::segment};
@@ -19,9 +20,12 @@ pub enum StandIn {
 
 impl StandIn {
     /// Returns the stream for a file with these values.
-    pub fn stream(self, model: &Model) -> Result<Vec<u8>, String> {
+    pub fn stream(self, model: &Model) -> Result<Vec<u8>> {
         let (width, height) = (model.size.width, model.size.height);
-        let own = model.format.coding().ok_or("the file has no streams")?;
+        let own = model
+            .format
+            .coding()
+            .ok_or(Error::NotApplicable("the file has no streams".into()))?;
         let other = match own {
             Coding::Jpeg => Coding::JpegLs,
             Coding::JpegLs => Coding::Jpeg,
@@ -30,7 +34,9 @@ impl StandIn {
             StandIn::OneWider => gray(width + 1, height, own),
             StandIn::OneTaller => gray(width, height + 1, own),
             StandIn::WithSwappedSides if width == height => {
-                return Err("the sides of a square are equal".to_owned());
+                return Err(Error::NotApplicable(
+                    "the sides of a square are equal".into(),
+                ));
             }
             StandIn::WithSwappedSides => gray(height, width, own),
             StandIn::ByTheOtherCodec => gray(width, height, other),

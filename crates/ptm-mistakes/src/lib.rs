@@ -4,6 +4,7 @@
 //! the step that it changes. The modules for the sections have one change per slug, in the order of the YAML file.
 //! Every function is *total*: it returns for any bytes, including the output of other misreadings, and checks every index.
 
+pub mod error;
 pub mod formula;
 
 mod misreading;
@@ -60,6 +61,7 @@ pub mod writing;
 
 mod answer;
 
+pub use crate::error::{Error, Result};
 pub use crate::formula::Stage;
 pub use anatomy::{Anatomy, EditedFile};
 pub use answer::answer;

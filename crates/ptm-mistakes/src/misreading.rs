@@ -1,5 +1,6 @@
 //! Records of misreadings.
 
+use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -147,14 +148,14 @@ pub fn load_catalog<A>(
     yaml: &str,
     change_from_slug: impl Fn(&str) -> Option<A>,
     change_from_edits: impl Fn(&'static [Edit]) -> Option<A>,
-) -> Result<Vec<Misreading<A>>, String> {
+) -> Result<Vec<Misreading<A>>> {
     let mut all = Vec::new();
     for (line, record) in yaml::records::<MisreadingRecord>(yaml)? {
         let slug: &str = record.slug.leak();
-        let at_line = |error: String| format!("line {line}: {error}");
+        let at_line = |message: String| Error::Record { line, message };
         let mut edits = Vec::new();
         for (name, text) in &record.edits {
-            edits.push(Edit::parse(name, text).map_err(at_line)?);
+            edits.push(Edit::parse(name, text).map_err(|error| at_line(error.to_string()))?);
         }
         let change = if edits.is_empty() {
             change_from_slug(slug)

@@ -2,6 +2,7 @@
 //!
 //! The mistakes are described in `spec-cases/writers/mistakes.yaml`. A mistake has the same slug and clause as its misreading.
 
+use crate::error::{Error, Result};
 use std::sync::LazyLock;
 
 use serde::Deserialize;
@@ -27,11 +28,13 @@ static ALL: LazyLock<Vec<WriterMistake>> = LazyLock::new(|| {
     read(yaml).unwrap_or_else(|error| unreachable!("invalid embedded mistakes.yaml: {error}"))
 });
 
-fn read(yaml: &str) -> Result<Vec<WriterMistake>, String> {
+fn read(yaml: &str) -> Result<Vec<WriterMistake>> {
     let records = yaml::records::<WriterMistakeRecord>(yaml)?.into_iter();
     let join = |(line, record): (usize, WriterMistakeRecord)| {
-        let misreading = super::find(&record.slug)
-            .ok_or_else(|| format!("line {line}: unknown misreading {}", record.slug))?;
+        let misreading = super::find(&record.slug).ok_or_else(|| Error::Record {
+            line,
+            message: format!("unknown misreading {}", record.slug),
+        })?;
         Ok(Misreading {
             slug: misreading.slug,
             clause: misreading.clause,

@@ -1,5 +1,6 @@
 //! Clauses of the specification, and rulings on the questions that it leaves open.
 
+use crate::error::Result;
 use serde::Deserialize;
 
 use crate::kit::yaml::from_files;
@@ -143,7 +144,7 @@ pub fn section_of(clause: &str) -> &str {
 ///
 /// # Errors
 /// Returns a message that names the offending line.
-pub fn clauses() -> Result<Vec<Clause>, String> {
+pub fn clauses() -> Result<Vec<Clause>> {
     Ok(from_files::<Vec<Clause>>(ptm_spec_cases::CLAUSES)?.concat())
 }
 
@@ -151,6 +152,6 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
 ///
 /// # Errors
 /// Returns a message that names the offending line.
-pub fn rulings() -> Result<Vec<Ruling>, String> {
+pub fn rulings() -> Result<Vec<Ruling>> {
     Ok(from_files::<Vec<Ruling>>(ptm_spec_cases::RULINGS)?.concat())
 }

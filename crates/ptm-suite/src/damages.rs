@@ -1,5 +1,6 @@
 //! Ways to damage a file, from `spec-cases/damages.yaml`.
 
+use crate::error::{Error, Result};
 use std::sync::LazyLock;
 
 use crate::kit::yaml::records;
@@ -7,17 +8,17 @@ use ptm_generate::Damage;
 
 const FILE: &str = ptm_spec_cases::DAMAGES;
 
-static DAMAGES: LazyLock<Result<Vec<Damage>, String>> =
-    LazyLock::new(|| read(FILE).map_err(|error| format!("damages.yaml: {error}")));
+static DAMAGES: LazyLock<Result<Vec<Damage>>> =
+    LazyLock::new(|| read(FILE).map_err(|error| error.in_place("damages.yaml")));
 
-fn read(text: &str) -> Result<Vec<Damage>, String> {
+fn read(text: &str) -> Result<Vec<Damage>> {
     let mut damages: Vec<Damage> = Vec::new();
     for (line, damage) in records::<Damage>(text)? {
         if [&damage.name, &damage.clause, &damage.effect].contains(&&String::new()) {
-            return Err(format!("line {line}: expected slug, clause and effect"));
+            return Error::at_line(line, "expected slug, clause and effect");
         }
         if damages.iter().any(|other| other.name == damage.name) {
-            return Err(format!("line {line}: duplicate damage {}", damage.name));
+            return Error::at_line(line, format!("duplicate damage {}", damage.name));
         }
         damages.push(damage);
     }
@@ -28,7 +29,7 @@ fn read(text: &str) -> Result<Vec<Damage>, String> {
 ///
 /// # Errors
 /// Returns a message that names the offending line.
-pub fn damage_kinds() -> Result<&'static [Damage], String> {
+pub fn damage_kinds() -> Result<&'static [Damage]> {
     DAMAGES.as_deref().map_err(Clone::clone)
 }
 
@@ -36,9 +37,9 @@ pub fn damage_kinds() -> Result<&'static [Damage], String> {
 ///
 /// # Errors
 /// Returns an error if no damage has that name.
-pub fn find(name: &str) -> Result<&'static Damage, String> {
+pub fn find(name: &str) -> Result<&'static Damage> {
     let found = damage_kinds()?.iter().find(|damage| damage.name == name);
-    found.ok_or_else(|| format!("unknown damage {name:?}"))
+    found.ok_or_else(|| Error::Invalid(format!("unknown damage {name:?}").into()))
 }
 
 #[cfg(test)]
@@ -61,7 +62,7 @@ mod tests {
         for row in ERRORS.trim_matches('\n').lines() {
             let (text, error) = row.split_once(" => ").expect("a text and its error");
             let text = format!("- slug: a\n  clause: 2.1/1\n  effect: it is wrong\n{text}\n");
-            let message = read(&text).expect_err("not a damage");
+            let message = read(&text).expect_err("not a damage").to_string();
             assert!(message.starts_with(error), "{message}");
         }
     }

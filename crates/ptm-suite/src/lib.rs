@@ -8,6 +8,7 @@ pub mod compare;
 pub mod corpus;
 pub mod damages;
 pub mod dialect;
+pub mod error;
 pub mod features;
 pub mod kit;
 mod load;
@@ -22,3 +23,5 @@ pub mod test_case;
 pub mod texture;
 pub mod values;
 pub mod words;
+
+pub use error::{Error, Result};

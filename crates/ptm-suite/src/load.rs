@@ -2,6 +2,7 @@
 //!
 //! The files are embedded, so an installed program needs no checkout.
 
+use crate::error::{Error, Result};
 use std::collections::HashMap;
 
 use super::cases::{Case, Suite};
@@ -13,7 +14,7 @@ impl Suite {
     ///
     /// # Errors
     /// Returns a message that names the file and the offending line or case.
-    pub fn load() -> Result<Suite, String> {
+    pub fn load() -> Result<Suite> {
         Suite::from_files(ptm_spec_cases::CASES)
     }
 
@@ -21,11 +22,11 @@ impl Suite {
     ///
     /// # Errors
     /// Returns a message that names the file and the offending line or case.
-    pub fn from_files(files: &[(&str, &str)]) -> Result<Suite, String> {
+    pub fn from_files(files: &[(&str, &str)]) -> Result<Suite> {
         let mut cases: Vec<Case> = Vec::new();
         let mut case_indices: HashMap<String, usize> = HashMap::new();
         for (name, text) in files {
-            let records = records(text).map_err(|error| format!("{name}: {error}"))?;
+            let records = records(text).map_err(|error| error.in_place(name))?;
             for (line, record) in records {
                 let record: CaseRecord = record;
                 for words in Words::combinations(&record.for_each) {
@@ -33,10 +34,11 @@ impl Suite {
                     let twin = record.twin_of.as_ref().map(|twin| words.id(twin));
                     let twin = twin.and_then(|twin| case_indices.get(&twin));
                     let case = record.case(&words, twin.map(|&at| &cases[at]));
-                    let case =
-                        case.map_err(|error| format!("{name}: line {line}: case {id}: {error}"))?;
+                    let case = case.map_err(|error| {
+                        error.in_place(format!("{name}: line {line}: case {id}"))
+                    })?;
                     if case_indices.insert(id.clone(), cases.len()).is_some() {
-                        return Err(format!("{name}: line {line}: duplicate case {id}"));
+                        return Error::invalid(format!("{name}: line {line}: duplicate case {id}"));
                     }
                     cases.push(case);
                 }
@@ -72,7 +74,9 @@ MAKE  views: [coefs] => line 1: case a:
             let (text, error) = row.split_once(" => ").expect("a text and its error");
             let text = text.replace("MAKE", MAKE).replace('↵', "\n");
             let text = format!("- id: a\n  clauses: [2.1/1]\n  because: It is.\n{text}\n");
-            let found = Suite::from_files(&[("x.yaml", &text)]).expect_err("not a case");
+            let found = Suite::from_files(&[("x.yaml", &text)])
+                .expect_err("not a case")
+                .to_string();
             assert!(found.starts_with(&format!("x.yaml: {error}")), "{found}");
         }
     }

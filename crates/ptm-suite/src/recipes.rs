@@ -1,5 +1,6 @@
 //! Recipes as they are written in case files.
 
+use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -39,7 +40,7 @@ impl MakeRecord {
     ///
     /// # Errors
     /// Returns a message that names the invalid setting.
-    pub fn recipe(&self, words: &Words) -> Result<Recipe, String> {
+    pub fn recipe(&self, words: &Words) -> Result<Recipe> {
         let size = words.fill(&self.size).parse()?;
         let mut recipe = Recipe::default_for(words.fill(&self.format).parse()?, size);
         let entries = |text: &str| number("entries", text);
@@ -64,7 +65,7 @@ impl MakeRecord {
 }
 
 /// Sets one field of a header's spelling.
-fn set_spelling(spelling: &mut Spelling, name: &str, text: &str) -> Result<(), String> {
+fn set_spelling(spelling: &mut Spelling, name: &str, text: &str) -> Result<()> {
     match name {
         "space_before_newline" if text == "all" => {
             spelling.space_before_newline = Line::ALL.to_vec();
@@ -81,7 +82,7 @@ fn set_spelling(spelling: &mut Spelling, name: &str, text: &str) -> Result<(), S
         "newline_after_table" => spelling.newline_after_table = flag(name, text)?,
         "matrix_line" => spelling.matrix_line = number(name, text)?,
         "lists" => spelling.lists = word(text)?,
-        _ => return Err(format!("unknown field `{name}`")),
+        _ => return Error::invalid(format!("unknown field `{name}`")),
     }
     Ok(())
 }
@@ -89,11 +90,7 @@ fn set_spelling(spelling: &mut Spelling, name: &str, text: &str) -> Result<(), S
 /// Settings on which other settings depend, in the order in which they are applied.
 const FIRST_SETTINGS: [&str; 4] = ["structure", "references", "order", "everywhere"];
 
-fn set_compression(
-    settings: &SettingTexts,
-    words: &Words,
-    plan: &mut Compression,
-) -> Result<(), String> {
+fn set_compression(settings: &SettingTexts, words: &Words, plan: &mut Compression) -> Result<()> {
     let planes = plan.order.len();
     // True if planes that are not predicted also have transforms and vectors.
     let mut everywhere = false;
@@ -110,7 +107,7 @@ fn set_compression(
         }
     }
     if plan.references.len() != planes || plan.order.len() != planes {
-        return Err(format!(
+        return Error::invalid(format!(
             "references and order must have {planes} numbers in this format"
         ));
     }
@@ -137,7 +134,7 @@ fn set_compression(
 }
 
 /// Sets one field of the spelling of the streams.
-fn set_stream(stream: &mut Stream, name: &str, text: &str) -> Result<(), String> {
+fn set_stream(stream: &mut Stream, name: &str, text: &str) -> Result<()> {
     let jpeg = &mut stream.jpeg;
     match name {
         "restart_interval" => jpeg.restart_interval = number(name, text)?,
@@ -160,7 +157,7 @@ fn set_stream(stream: &mut Stream, name: &str, text: &str) -> Result<(), String>
         "frame_moved" => stream.moves_frame_header = flag(name, text)?,
         "presets" => {
             let [maxval, t1, t2, t3, reset] = numbers(name, text)?[..] else {
-                return Err("expected presets in the form MAXVAL T1 T2 T3 RESET".to_owned());
+                return Error::invalid("expected presets in the form MAXVAL T1 T2 T3 RESET");
             };
             stream.presets = Some(PresetParameters {
                 maxval,
@@ -170,13 +167,13 @@ fn set_stream(stream: &mut Stream, name: &str, text: &str) -> Result<(), String>
                 reset,
             });
         }
-        _ => return Err(format!("unknown field `{name}`")),
+        _ => return Error::invalid(format!("unknown field `{name}`")),
     }
     Ok(())
 }
 
 /// Parses `any`, `below-256`, `bytes-differ`, or a list of numbers.
-fn parse_indices(text: &str) -> Result<Indices, String> {
+fn parse_indices(text: &str) -> Result<Indices> {
     let numbers = || -> Result<Vec<u32>, _> { text.split_whitespace().map(str::parse).collect() };
     let indices = match (text, text.strip_prefix("below-")) {
         (_, Some(limit)) => limit.parse().map(Indices::Below),
@@ -184,5 +181,5 @@ fn parse_indices(text: &str) -> Result<Indices, String> {
         ("bytes-differ", _) => Ok(Indices::BytesDiffer),
         _ => numbers().map(Indices::List),
     };
-    indices.map_err(|_| format!("unknown indices {text:?}"))
+    indices.map_err(|_| Error::Invalid(format!("unknown indices {text:?}").into()))
 }

@@ -1,5 +1,6 @@
 //! Cases as they are written in case files.
 
+use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -37,10 +38,10 @@ pub struct CaseRecord {
 
 impl CaseRecord {
     /// Builds the case with the given words filled in. `twin` is the case that `twin_of` names, if it precedes this one.
-    pub fn case(&self, words: &Words, twin: Option<&Case>) -> Result<Case, String> {
+    pub fn case(&self, words: &Words, twin: Option<&Case>) -> Result<Case> {
         let source = self.source(words, twin)?;
         if self.expect == Expect::Spelling && self.make.is_none() {
-            return Err("a case with `expect: spelling` must have a recipe (`make`)".to_owned());
+            return Error::invalid("a case with `expect: spelling` must have a recipe (`make`)");
         }
         let views = self.views(words, &source, twin)?;
         let shows = self.shows.as_ref().map(|shows| {
@@ -64,7 +65,7 @@ impl CaseRecord {
         })
     }
 
-    fn source(&self, words: &Words, twin: Option<&Case>) -> Result<Source, String> {
+    fn source(&self, words: &Words, twin: Option<&Case>) -> Result<Source> {
         match (&self.make, &self.bytes, &self.twin_of) {
             (Some(make), None, None) => Ok(Source::Recipe(make.recipe(words)?, None)),
             (None, Some(pieces), None) => {
@@ -81,31 +82,29 @@ impl CaseRecord {
                 let id = words.id(id);
                 let twin = twin.ok_or_else(|| format!("the twin {id} must precede the case"))?;
                 self.damaged_source(words, twin)
-                    .map_err(|error| format!("the twin {id} {error}"))
+                    .map_err(|error| Error::Invalid(format!("the twin {id} {error}").into()))
             }
-            _ => Err("a case must have exactly one of make, bytes and twin_of".to_owned()),
+            _ => Error::invalid("a case must have exactly one of make, bytes and twin_of"),
         }
     }
 
-    fn damaged_source(&self, words: &Words, twin: &Case) -> Result<Source, String> {
+    fn damaged_source(&self, words: &Words, twin: &Case) -> Result<Source> {
         if twin.twin_of.is_some() {
-            return Err("is itself an edit".to_owned());
+            return Error::invalid("is itself an edit");
         }
         let recipe = twin.recipe().ok_or("has no recipe")?.clone();
         let name = self.damage.as_ref().ok_or("needs a damage")?;
-        let damage = damages::find(&words.fill(name)).map_err(|error| format!("has an {error}"))?;
+        let damage = damages::find(&words.fill(name))
+            .map_err(|error| Error::Invalid(format!("has an {error}").into()))?;
         let model = Model::paint(&recipe);
         let damaged = damage.apply(&write(&recipe, &model), &model);
-        damaged.map_err(|error| format!("cannot have damage {}: {error}", damage.name))?;
+        damaged.map_err(|error| {
+            Error::Recipe(error).in_place(format!("cannot have damage {}", damage.name))
+        })?;
         Ok(Source::Recipe(recipe, Some(damage)))
     }
 
-    fn views(
-        &self,
-        words: &Words,
-        source: &Source,
-        twin: Option<&Case>,
-    ) -> Result<Vec<View>, String> {
+    fn views(&self, words: &Words, source: &Source, twin: Option<&Case>) -> Result<Vec<View>> {
         let views = match (&self.views, source, &self.values, twin) {
             (Some(views), ..) => {
                 (views.iter().map(|view| words.fill(view).parse())).collect::<Result<_, _>>()?
@@ -120,7 +119,7 @@ impl CaseRecord {
         if let (Source::Hand(..), Some(values)) = (source, &self.values) {
             let known = values.views()?;
             if let Some(unknown) = views.iter().find(|view| !known.contains(view)) {
-                return Err(format!("the case has no values for the view {unknown}"));
+                return Error::invalid(format!("the case has no values for the view {unknown}"));
             }
         }
         Ok(views)
@@ -129,7 +128,7 @@ impl CaseRecord {
 
 /// Checks that a case uses only the raw view if a different inverse DCT may change a sample from 255 to 0. The raw view is
 /// compared modulo 256, so these values differ by one there.
-fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
+fn check_views(recipe: &Recipe, views: &[View]) -> Result<()> {
     let lossy = recipe.format.coding() == Some(Coding::Jpeg)
         && recipe.compression.residuals == Residuals::Natural;
     if !lossy || views.iter().all(|view| *view == View::Raw) {
@@ -138,7 +137,7 @@ fn check_views(recipe: &Recipe, views: &[View]) -> Result<(), String> {
     let model = Model::paint(recipe);
     let mut samples = model.samples.iter().zip(&model.slack);
     match samples.any(|(&sample, &slack)| slack > 0 && sample.min(255 - sample) < slack) {
-        true => Err("the samples are too close to 0 or 255 for any view except raw".to_owned()),
+        true => Error::invalid("the samples are too close to 0 or 255 for any view except raw"),
         false => Ok(()),
     }
 }

@@ -1,5 +1,6 @@
 //! Expected values of files: painted by the generator, or computed by hand.
 
+use crate::error::{Error, Result};
 use data_encoding::HEXLOWER_PERMISSIVE;
 use serde::Deserialize;
 
@@ -69,11 +70,11 @@ pub struct HandImage {
 
 impl HandPiece {
     /// Returns the bytes of the part; `count` and `newline` select the spelling of a lookup table.
-    pub fn bytes(&self, count: Count, newline: bool) -> Result<Vec<u8>, String> {
+    pub fn bytes(&self, count: Count, newline: bool) -> Result<Vec<u8>> {
         let mut bytes = match (&self.text, &self.hex) {
             (Some(text), None) => text.as_bytes().to_vec(),
             (None, Some(hex)) => parse_hex(hex)?,
-            _ => return Err(format!("piece {:?} needs either text or hex", self.name)),
+            _ => return Error::invalid(format!("piece {:?} needs either text or hex", self.name)),
         };
         if self.name == "count" {
             let text = String::from_utf8_lossy(&bytes);
@@ -89,22 +90,23 @@ impl HandPiece {
     }
 }
 
-pub(super) fn format_of(pieces: &[HandPiece]) -> Result<Format, String> {
+pub(super) fn format_of(pieces: &[HandPiece]) -> Result<Format> {
     let format = pieces.iter().find(|piece| piece.name == "format");
     let text = format.and_then(|piece| piece.text.as_ref());
-    text.ok_or("a hand-assembled file needs a piece with `is: format`")?
+    Ok(text
+        .ok_or("a hand-assembled file needs a piece with `is: format`")?
         .trim()
-        .parse()
+        .parse()?)
 }
 
 /// Parses bytes as pairs of hexadecimal digits.
 ///
 /// # Errors
 /// Returns a message that describes the error in the text.
-pub fn parse_hex(text: &str) -> Result<Vec<u8>, String> {
+pub fn parse_hex(text: &str) -> Result<Vec<u8>> {
     let digits: String = text.split_whitespace().collect();
     let bytes = HEXLOWER_PERMISSIVE.decode(digits.as_bytes());
-    bytes.map_err(|_| format!("expected pairs of hex digits, found {text:?}"))
+    bytes.map_err(|_| format!("expected pairs of hex digits, found {text:?}").into())
 }
 
 impl HandValues {
@@ -115,14 +117,14 @@ impl HandValues {
         words.filter_map(|number| number.parse().ok()).collect()
     }
 
-    pub(super) fn views(&self) -> Result<Vec<View>, String> {
+    pub(super) fn views(&self) -> Result<Vec<View>> {
         let coef = self.coef.iter().map(|_| Ok(View::Coef));
         let light = self.rgb.iter().map(|image| &image.light);
         let rgb = light.map(|light| format!("rgb:{light}").parse());
         [Ok(View::Raw)].into_iter().chain(coef).chain(rgb).collect()
     }
 
-    pub(super) fn check(&self, format: Format) -> Result<(), String> {
+    pub(super) fn check(&self, format: Format) -> Result<()> {
         let texels = self.size.parse::<Size>()?.texels();
         let check = |name: &str, lines: &[String], channels: usize| {
             let words = lines.iter().map(|line| line.split_whitespace().count());
@@ -131,7 +133,9 @@ impl HandValues {
                 || words.clone().any(|count| count != channels)
                 || words.sum::<usize>() != numbers
             {
-                return Err(format!("{name} needs {texels} lines of {channels} numbers"));
+                return Error::invalid(format!(
+                    "{name} needs {texels} lines of {channels} numbers"
+                ));
             }
             Ok(())
         };

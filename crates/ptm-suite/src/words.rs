@@ -1,5 +1,6 @@
 //! Templates in case records: `{key}` stands for one of the words that `for_each` lists.
 
+use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
@@ -39,12 +40,15 @@ impl<'a> Words<'a> {
     ///
     /// # Errors
     /// Returns the error of `parse`.
-    pub fn set<T>(
+    pub fn set<T, E>(
         &self,
         slot: &mut T,
         text: Option<&String>,
-        parse: impl Fn(&str) -> Result<T, String>,
-    ) -> Result<(), String> {
+        parse: impl Fn(&str) -> Result<T, E>,
+    ) -> Result<()>
+    where
+        Error: From<E>,
+    {
         if let Some(text) = text {
             *slot = parse(&self.fill(text))?;
         }
@@ -60,41 +64,41 @@ impl<'a> Words<'a> {
     }
 }
 
-pub(super) fn word<T: DeserializeOwned>(text: &str) -> Result<T, String> {
+pub(super) fn word<T: DeserializeOwned>(text: &str) -> Result<T> {
     let read: Result<T, value::Error> = T::deserialize(text.into_deserializer());
-    read.map_err(|error| error.to_string())
+    read.map_err(|error| error.to_string().into())
 }
 
 /// Parses a decimal number, or a hexadecimal number with the prefix `0x`.
-pub(super) fn number<T: FromStr>(name: &str, text: &str) -> Result<T, String> {
+pub(super) fn number<T: FromStr>(name: &str, text: &str) -> Result<T> {
     let digits = text.strip_prefix("0x").map_or_else(
         || text.parse().ok(),
         |hex| u32::from_str_radix(hex, 16).ok()?.to_string().parse().ok(),
     );
-    digits.ok_or_else(|| format!("expected a number for {name}, found {text:?}"))
+    digits.ok_or_else(|| format!("expected a number for {name}, found {text:?}").into())
 }
 
 /// Parses a list of at least one number.
-pub(super) fn numbers<T: FromStr>(name: &str, text: &str) -> Result<Vec<T>, String> {
+pub(super) fn numbers<T: FromStr>(name: &str, text: &str) -> Result<Vec<T>> {
     let words = text.split_whitespace();
-    let list: Result<Vec<T>, String> = words.map(|word| number(name, word)).collect();
+    let list: Result<Vec<T>> = words.map(|word| number(name, word)).collect();
     match list {
-        Ok(list) if list.is_empty() => Err(format!("expected numbers for {name}")),
+        Ok(list) if list.is_empty() => Error::invalid(format!("expected numbers for {name}")),
         list => list,
     }
 }
 
 /// Returns true if `text` is the word `yes`, or false if it is the word `no`.
-pub(super) fn yes_or_no(name: &str, text: &str, [yes, no]: [&str; 2]) -> Result<bool, String> {
+pub(super) fn yes_or_no(name: &str, text: &str, [yes, no]: [&str; 2]) -> Result<bool> {
     match text {
         _ if text == yes => Ok(true),
         _ if text == no => Ok(false),
-        _ => Err(format!("expected {yes} or {no} for {name}, found {text:?}")),
+        _ => Error::invalid(format!("expected {yes} or {no} for {name}, found {text:?}")),
     }
 }
 
 /// Parses `true` or `false`.
-pub(super) fn flag(name: &str, text: &str) -> Result<bool, String> {
+pub(super) fn flag(name: &str, text: &str) -> Result<bool> {
     yes_or_no(name, text, ["true", "false"])
 }
 

@@ -56,17 +56,17 @@ macro_rules! enumerants {
         }
 
         impl TryFrom<String> for $name {
-            type Error = String;
+            type Error = $crate::Error;
 
-            fn try_from(text: String) -> Result<$name, String> {
+            fn try_from(text: String) -> Result<$name, $crate::Error> {
                 text.parse()
             }
         }
 
         impl FromStr for $name {
-            type Err = String;
+            type Err = $crate::Error;
 
-            fn from_str(text: &str) -> Result<$name, String> {
+            fn from_str(text: &str) -> Result<$name, $crate::Error> {
                 let prefixes: &[&str] = &[$($prefix,)* ""];
                 let bare = prefixes.iter().filter_map(|prefix| text.strip_prefix(prefix));
                 let mut named = bare.filter_map(|bare| {
@@ -74,9 +74,9 @@ macro_rules! enumerants {
                     let bare = bare.strip_suffix("Method").unwrap_or(bare);
                     $name::ALL.iter().copied().find(|one| one.name() == bare)
                 });
-                named.next().ok_or_else(|| {
-                    let known: Vec<&str> = $name::ALL.iter().map(|one| one.name()).collect();
-                    format!("expected one of {}, found {text:?}", known.join(", "))
+                named.next().ok_or_else(|| $crate::Error::UnknownName {
+                    known: $name::ALL.iter().map(|one| one.name()).collect(),
+                    found: text.to_owned(),
                 })
             }
         }

@@ -9,6 +9,9 @@
 //! - The numeric values of the enumerants are not public, so only names are used. The chapter has two sets of names, and
 //!   both are accepted.
 
+mod error;
+pub use error::Error;
+
 mod no_value;
 pub use no_value::NoValue;
 

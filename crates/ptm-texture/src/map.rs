@@ -8,6 +8,7 @@
 //! - A texel with luminance L represents the color (L, L, L) (R-CMP-14).
 //! - Levels may have any size and are used as given. [`TextureMap::with_box_levels`] creates a conventional mipmap.
 
+use crate::error::Error;
 use std::fmt;
 use std::str::FromStr;
 
@@ -155,29 +156,33 @@ impl TextureMap {
     /// Creates a map with one to three dimensions.
     ///
     /// # Errors
-    /// Returns a message if `dimensions` is not 1, 2 or 3, if there is no valid base level, or if a level is invalid.
-    pub fn new(dimensions: usize, levels: Vec<Level>) -> Result<TextureMap, String> {
+    /// Returns an error if `dimensions` is not 1, 2 or 3, if there is no valid base level, or if a level is invalid.
+    pub fn new(dimensions: usize, levels: Vec<Level>) -> Result<TextureMap, Error> {
         if !(1..=3).contains(&dimensions) {
-            return Err(format!("expected 1, 2 or 3 dimensions, found {dimensions}"));
+            return Err(Error::Dimensions(dimensions));
         }
         let first = levels.first().and_then(|level| level.texels.first());
-        let kind = first.ok_or("a map needs a base level with texels")?.kind;
+        let kind = first.ok_or(Error::NoBaseLevel)?.kind;
         for (number, level) in levels.iter().enumerate() {
             let (size, count) = (level.size, level.texels.len());
             let mut sides = size.iter();
             let texels = sides.try_fold(1_usize, |product, &side| product.checked_mul(side));
             if texels != Some(count) || count == 0 {
-                return Err(format!(
-                    "level {number} of size {size:?} has {count} texels"
-                ));
+                return Err(Error::TexelCount {
+                    level: number,
+                    size,
+                    count,
+                });
             }
             if size[dimensions..].iter().any(|&side| side != 1) {
-                return Err(format!(
-                    "level {number} of size {size:?} has more than {dimensions} dimensions"
-                ));
+                return Err(Error::TooManyDimensions {
+                    level: number,
+                    size,
+                    dimensions,
+                });
             }
             if level.texels.iter().any(|texel| texel.kind != kind) {
-                return Err(format!("level {number} has texels of different kinds"));
+                return Err(Error::MixedTexels { level: number });
             }
         }
         Ok(TextureMap {

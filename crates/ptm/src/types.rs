@@ -167,14 +167,43 @@ impl fmt::Display for Format {
 }
 
 impl FromStr for Format {
-    type Err = String;
+    type Err = ParseError;
 
     /// Parses a format name from §2.2, with or without the prefix `PTM_FORMAT_`.
-    fn from_str(name: &str) -> Result<Format, String> {
+    fn from_str(name: &str) -> Result<Format, ParseError> {
         Format::ALL
             .into_iter()
             .find(|format| format.name() == name || format.short_name() == name)
-            .ok_or_else(|| format!("unknown format {name:?}"))
+            .ok_or_else(|| ParseError::UnknownFormat(name.to_owned()))
+    }
+}
+
+/// The reason why a text, such as an argument of a command, is not the name of a [`Format`] or not a [`Size`].
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum ParseError {
+    /// The text is not the name of a format.
+    UnknownFormat(String),
+    /// The text is not two positive numbers with an `x` between them.
+    InvalidSize(String),
+}
+
+impl fmt::Display for ParseError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            ParseError::UnknownFormat(name) => write!(f, "unknown format {name:?}"),
+            ParseError::InvalidSize(text) => {
+                write!(f, "expected a size such as 8x5, found {text:?}")
+            }
+        }
+    }
+}
+
+impl std::error::Error for ParseError {}
+
+/// A program prints errors as texts.
+impl From<ParseError> for String {
+    fn from(error: ParseError) -> String {
+        error.to_string()
     }
 }
 
@@ -208,11 +237,11 @@ impl fmt::Display for Size {
 }
 
 impl FromStr for Size {
-    type Err = String;
+    type Err = ParseError;
 
     /// Parses `WIDTHxHEIGHT`. Both numbers must be at least 1.
-    fn from_str(text: &str) -> Result<Size, String> {
-        let syntax_error = || format!("expected a size such as 8x5, found {text:?}");
+    fn from_str(text: &str) -> Result<Size, ParseError> {
+        let syntax_error = || ParseError::InvalidSize(text.to_owned());
         let (width, height) = text.split_once('x').ok_or_else(syntax_error)?;
         match (width.parse(), height.parse()) {
             (Ok(width), Ok(height)) if width > 0 && height > 0 => Ok(Size { width, height }),

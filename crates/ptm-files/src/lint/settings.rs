@@ -1,5 +1,6 @@
 //! Settings that select findings: codes to ignore, codes to report exclusively, severities, and a maximum number.
 
+use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -41,12 +42,14 @@ impl Settings {
     ///
     /// # Errors
     /// Returns a message that names the first unknown code.
-    pub fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<()> {
         let codes = self.allow.iter().chain(&self.only);
         let mut codes = codes.chain(self.severity.keys());
         let unknown = codes.find(|code| Code::find(code).is_none());
         let hint = "`ptm-conform lint --codes` lists all codes";
-        unknown.map_or(Ok(()), |code| Err(format!("unknown code {code:?}; {hint}")))
+        unknown.map_or(Ok(()), |code| {
+            Error::impossible(format!("unknown code {code:?}; {hint}"))
+        })
     }
 
     /// Removes findings that should not be reported and applies the severities.

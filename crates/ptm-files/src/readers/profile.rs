@@ -1,5 +1,6 @@
 //! Profiles of readers.
 
+use crate::error::{Error, Result};
 use std::sync::LazyLock;
 
 use serde::Deserialize;
@@ -77,7 +78,7 @@ pub fn profiles() -> &'static [ReaderProfile] {
 ///
 /// # Errors
 /// Returns a message that names the offending line or reader.
-pub fn parse_profiles(text: &str) -> Result<Vec<ReaderProfile>, String> {
+pub fn parse_profiles(text: &str) -> Result<Vec<ReaderProfile>> {
     let records = yaml::records::<ReaderProfile>(text)?;
     let profiles: Vec<ReaderProfile> = records.into_iter().map(|(_, profile)| profile).collect();
     for profile in &profiles {
@@ -99,8 +100,8 @@ impl ReaderProfile {
         slugs.filter_map(|slug| ptm_mistakes::find(slug)).collect()
     }
 
-    fn check(&self) -> Result<(), String> {
-        let fail = |why: String| Err(format!("{}: {why}", self.name));
+    fn check(&self) -> Result<()> {
+        let fail = |why: String| Error::impossible(format!("{}: {why}", self.name));
         for name in &self.formats {
             if !Format::ALL.iter().any(|format| format.short_name() == name) {
                 return fail(format!("unknown format {name}"));

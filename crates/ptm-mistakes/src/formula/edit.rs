@@ -2,6 +2,7 @@
 
 use super::expression::{Expression, parse};
 use super::formulas::Formula;
+use crate::error::{Error, Result};
 
 /// A formula, and what a decoder computes instead.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,9 +27,9 @@ impl Edit {
     ///
     /// # Errors
     /// Returns a sentence that names the unknown formula or describes the error in the expression.
-    pub fn parse(name: &str, expression: &str) -> Result<Edit, String> {
-        let formula =
-            Formula::from_name(name).ok_or_else(|| format!("unknown formula {name:?}"))?;
+    pub fn parse(name: &str, expression: &str) -> Result<Edit> {
+        let formula = Formula::from_name(name)
+            .ok_or_else(|| Error::Formula(format!("unknown formula {name:?}")))?;
         let change = EditedForm::Expression(parse(expression, formula.scope())?);
         Ok(Edit { formula, change })
     }

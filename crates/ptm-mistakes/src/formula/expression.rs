@@ -9,6 +9,7 @@
 //! Values are real numbers. `mod` is never negative, and `floor` rounds toward minus infinity. An element outside its
 //! list and a division of zero by zero evaluate to NaN.
 
+use crate::error::{Error, Result};
 use std::iter::Peekable;
 use std::str::Chars;
 
@@ -300,7 +301,7 @@ impl Expression {
 ///
 /// # Errors
 /// Returns a sentence that names the unexpected text or the unknown name.
-pub fn parse(text: &str, scope: Scope) -> Result<Expression, String> {
+pub fn parse(text: &str, scope: Scope) -> Result<Expression> {
     let mut parser = ExpressionParser {
         rest: text.chars().peekable(),
         scope,
@@ -308,7 +309,7 @@ pub fn parse(text: &str, scope: Scope) -> Result<Expression, String> {
     let expression = parser.parse_sum()?;
     match parser.next() {
         None => Ok(expression),
-        Some(other) => Err(format!("unexpected {other:?} in {text:?}")),
+        Some(other) => Err(Error::Formula(format!("unexpected {other:?} in {text:?}"))),
     }
 }
 
@@ -337,14 +338,17 @@ impl ExpressionParser<'_> {
         is_next
     }
 
-    fn expect(&mut self, expected: char) -> Result<(), String> {
+    fn expect(&mut self, expected: char) -> Result<()> {
         match self.accept(expected) {
             true => Ok(()),
-            false => Err(format!("expected {expected:?}, found {:?}", self.peek())),
+            false => Err(Error::Formula(format!(
+                "expected {expected:?}, found {:?}",
+                self.peek()
+            ))),
         }
     }
 
-    fn parse_sum(&mut self) -> Result<Expression, String> {
+    fn parse_sum(&mut self) -> Result<Expression> {
         let mut terms = vec![self.parse_product()?];
         loop {
             if self.accept('+') {
@@ -357,7 +361,7 @@ impl ExpressionParser<'_> {
         }
     }
 
-    fn parse_product(&mut self) -> Result<Expression, String> {
+    fn parse_product(&mut self) -> Result<Expression> {
         let mut factors = vec![self.parse_signed()?];
         loop {
             if self.accept('*') {
@@ -374,14 +378,14 @@ impl ExpressionParser<'_> {
         }
     }
 
-    fn parse_signed(&mut self) -> Result<Expression, String> {
+    fn parse_signed(&mut self) -> Result<Expression> {
         match self.accept('-') {
             true => Ok(Expression::Negative(Box::new(self.parse_signed()?))),
             false => self.parse_atom(),
         }
     }
 
-    fn parse_atom(&mut self) -> Result<Expression, String> {
+    fn parse_atom(&mut self) -> Result<Expression> {
         match self.peek() {
             Some('(') => {
                 self.next();
@@ -393,13 +397,13 @@ impl ExpressionParser<'_> {
             Some(c) if c.is_ascii_digit() => {
                 let text = self.take_word(|c| c.is_ascii_digit() || c == '.');
                 let number = text.parse().map(Expression::Number);
-                number.map_err(|_| format!("not a number: {text:?}"))
+                number.map_err(|_| Error::Formula(format!("not a number: {text:?}")))
             }
             Some(c) if c.is_ascii_alphabetic() => {
                 let name = self.take_word(|c| c.is_ascii_alphanumeric() || c == '_');
                 self.parse_name(&name)
             }
-            other => Err(format!("expected a value, found {other:?}")),
+            other => Err(Error::Formula(format!("expected a value, found {other:?}"))),
         }
     }
 
@@ -411,7 +415,7 @@ impl ExpressionParser<'_> {
         word
     }
 
-    fn parse_address(&mut self) -> Result<Expression, String> {
+    fn parse_address(&mut self) -> Result<Expression> {
         self.expect('[')?;
         let mut digits = Vec::new();
         loop {
@@ -425,7 +429,7 @@ impl ExpressionParser<'_> {
         }
     }
 
-    fn parse_name(&mut self, name: &str) -> Result<Expression, String> {
+    fn parse_name(&mut self, name: &str) -> Result<Expression> {
         let find_in = |names: &[&str]| names.iter().position(|&known| known == name);
         if let Some(variable) = find_in(self.scope.variables) {
             return Ok(Expression::Variable(variable));
@@ -438,7 +442,7 @@ impl ExpressionParser<'_> {
         }
         let known = |&&(_, known, _): &&(Function, &str, usize)| known == name;
         let Some(&(function, _, count)) = Function::ALL.iter().find(known) else {
-            return Err(format!("unknown name {name:?}"));
+            return Err(Error::Formula(format!("unknown name {name:?}")));
         };
         self.expect('(')?;
         let mut arguments = vec![self.parse_sum()?];
@@ -448,7 +452,7 @@ impl ExpressionParser<'_> {
         self.expect(')')?;
         match arguments.len() == count {
             true => Ok(Expression::Call(function, arguments)),
-            false => Err(format!("{name} takes {count} arguments")),
+            false => Err(Error::Formula(format!("{name} takes {count} arguments"))),
         }
     }
 }
@@ -529,7 +533,7 @@ mod tests {
 
     #[test]
     fn parse_errors_name_the_fault() {
-        let error = |text: &str| parse(text, SCOPE).expect_err("an error");
+        let error = |text: &str| parse(text, SCOPE).expect_err("an error").to_string();
         assert_eq!(error("a + c"), "unknown name \"c\"");
         assert_eq!(error("min(a)"), "min takes 2 arguments");
         assert!(error("a b").starts_with("unexpected 'b'"));

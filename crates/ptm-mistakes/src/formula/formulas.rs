@@ -1,5 +1,6 @@
 //! The formulas of the specification (`spec-cases/formulas.yaml`), with the names that each formula may use.
 
+use crate::error::{Error, Result};
 use std::sync::LazyLock;
 
 use serde::Deserialize;
@@ -221,11 +222,12 @@ static STATED_FORMULAS: LazyLock<Vec<StatedFormula>> = LazyLock::new(|| {
 });
 
 /// Parses the formulas. Leaks their text, because references to it must be `'static`.
-fn read(text: &str) -> Result<Vec<StatedFormula>, String> {
+fn read(text: &str) -> Result<Vec<StatedFormula>> {
     let records = yaml::records::<FormulaRecord>(text)?;
     let all = Formula::ALL.iter().map(|row| row.1);
     if !records.iter().map(|(_, record)| &*record.name).eq(all) {
-        return Err("the names must equal those of Formula::ALL, in the same order".to_owned());
+        let message = "the names must equal those of Formula::ALL, in the same order";
+        return Err(Error::Formula(message.to_owned()));
     }
     let names = |text: String| -> &'static [&'static str] {
         let text: &'static str = text.leak();
@@ -241,7 +243,10 @@ fn read(text: &str) -> Result<Vec<StatedFormula>, String> {
             clause: record.clause.leak(),
             result: record.computes.leak(),
             scope,
-            expression: expression.map_err(|error| format!("line {line}: {error}"))?,
+            expression: expression.map_err(|error| Error::Record {
+                line,
+                message: error.to_string(),
+            })?,
             step: record.step.map(|step| &*step.leak()),
         })
     };

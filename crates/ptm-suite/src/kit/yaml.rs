@@ -3,6 +3,7 @@
 //! A file is parsed into a tree of nodes with line numbers, and records are deserialized from the tree, so that every
 //! error names its line. Size and depth are limited. Anchors, aliases and tags are rejected.
 
+use crate::error::{Error, Result};
 use std::collections::HashSet;
 use std::fmt;
 use std::fs::File;
@@ -32,9 +33,10 @@ const MAX_DEPTH: usize = 16;
     clippy::naive_bytecount,
     reason = "files are small where bytes are counted"
 )]
-pub fn read_text(path: &Path) -> Result<String, String> {
-    let with_path =
-        |error: &dyn fmt::Display| format!("{}: {}", path.display(), strip_os_error_code(error));
+pub fn read_text(path: &Path) -> Result<String> {
+    let with_path = |error: &dyn fmt::Display| {
+        Error::Unreadable(strip_os_error_code(error)).in_place(path.display())
+    };
     let mut bytes = Vec::new();
     let file = File::open(path).map_err(|error| with_path(&error))?;
     file.take(MAX_BYTES + 1)
@@ -60,17 +62,17 @@ pub fn read_text(path: &Path) -> Result<String, String> {
 ///
 /// # Errors
 /// Returns a message that names the offending line.
-pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T, String> {
-    T::deserialize(&parse(text)?).map_err(|error| error.to_string())
+pub fn from_yaml<T: DeserializeOwned>(text: &str) -> Result<T> {
+    Ok(T::deserialize(&parse(text)?)?)
 }
 
 /// Parses embedded files, given as names and contents.
 ///
 /// # Errors
 /// Returns a message that names the file and the offending line.
-pub fn from_files<T: DeserializeOwned>(files: &[(&str, &str)]) -> Result<Vec<T>, String> {
+pub fn from_files<T: DeserializeOwned>(files: &[(&str, &str)]) -> Result<Vec<T>> {
     let read =
-        |(name, text): &(&str, &str)| from_yaml(text).map_err(|error| format!("{name}: {error}"));
+        |(name, text): &(&str, &str)| from_yaml(text).map_err(|error: Error| error.in_place(name));
     files.iter().map(read).collect()
 }
 
@@ -78,24 +80,24 @@ pub fn from_files<T: DeserializeOwned>(files: &[(&str, &str)]) -> Result<Vec<T>,
 ///
 /// # Errors
 /// Returns a message that names the offending line.
-pub fn records<T: DeserializeOwned>(text: &str) -> Result<Vec<(usize, T)>, String> {
+pub fn records<T: DeserializeOwned>(text: &str) -> Result<Vec<(usize, T)>> {
     let Node { line, value } = parse(text)?;
     let nodes = match value {
         Value::List(nodes) => nodes,
         Value::Scalar { text, plain: true } if text.is_empty() => Vec::new(),
-        _ => return Err(format!("line {line}: expected a list")),
+        _ => return Error::at_line(line, "expected a list"),
     };
     let record = |node: &Node| Ok((node.line, T::deserialize(node)?));
     let records: Result<_, YamlError> = nodes.iter().map(record).collect();
-    records.map_err(|error| error.to_string())
+    Ok(records?)
 }
 
 /// Serializes a value.
 ///
 /// # Errors
 /// Returns an error if YAML cannot represent the value, which does not happen for the values of this program.
-pub fn to_yaml(value: &impl Serialize) -> Result<String, String> {
-    serde_saphyr::to_string(value).map_err(|error| error.to_string())
+pub fn to_yaml(value: &impl Serialize) -> Result<String> {
+    serde_saphyr::to_string(value).map_err(|error| Error::Invalid(error.to_string().into()))
 }
 
 /// A scalar, list or mapping, with the number of its first line, counted from 1.
@@ -129,6 +131,12 @@ impl fmt::Display for YamlError {
 
 impl std::error::Error for YamlError {}
 
+impl From<YamlError> for Error {
+    fn from(YamlError { line, message }: YamlError) -> Error {
+        Error::Yaml { line, message }
+    }
+}
+
 impl de::Error for YamlError {
     fn custom<T: fmt::Display>(message: T) -> YamlError {
         YamlError {
@@ -141,7 +149,7 @@ impl de::Error for YamlError {
 /// Error message for an anchor or an alias.
 const NO_ANCHORS: &str = "anchors and aliases are not supported";
 
-fn parse(text: &str) -> Result<Node, String> {
+fn parse(text: &str) -> Result<Node> {
     let mut open: Vec<(Node, Option<Node>)> = Vec::new();
     let mut root: Option<Node> = None;
     let (mut nodes, mut documents) = (0, 0);
@@ -151,10 +159,11 @@ fn parse(text: &str) -> Result<Node, String> {
                 info if info.ends_with("unknown anchor") => NO_ANCHORS.to_owned(),
                 info => info,
             };
-            format!("line {}: {message}", error.marker().line())
+            let line = error.marker().line();
+            Error::Yaml { line, message }
         })?;
         let line = span.start.line();
-        let refuse = |why: &str| Err(format!("line {line}: {why}"));
+        let refuse = |why: &str| Error::at_line(line, why);
         let value = match event {
             Event::Scalar(_, _, 1.., _)
             | Event::SequenceStart(_, 1.., _)
@@ -223,7 +232,7 @@ fn add_node(node: Node, open: &mut [(Node, Option<Node>)], root: &mut Option<Nod
 
 impl Node {
     /// Checks that all keys of a mapping are distinct scalars.
-    fn check_keys(&self) -> Result<(), String> {
+    fn check_keys(&self) -> Result<()> {
         let Value::Map(entries) = &self.value else {
             return Ok(());
         };
@@ -232,9 +241,9 @@ impl Node {
             match value {
                 Value::Scalar { text, .. } if keys.insert(text) => {}
                 Value::Scalar { text, .. } => {
-                    return Err(format!("line {line}: duplicate key {text}"));
+                    return Error::at_line(*line, format!("duplicate key {text}"));
                 }
-                _ => return Err(format!("line {line}: expected a key")),
+                _ => return Error::at_line(*line, "expected a key"),
             }
         }
         Ok(())
@@ -410,7 +419,7 @@ id: a => line 1: expected a list
         for row in ERRORS.trim().lines() {
             let (text, error) = row.split_once(" => ").expect("a text and its error");
             let text = text.replace('↵', "\n") + "\n";
-            assert_eq!(records::<Record>(&text).unwrap_err(), error);
+            assert_eq!(records::<Record>(&text).unwrap_err().to_string(), error);
         }
     }
 

@@ -3,6 +3,7 @@
 //! Capabilities are used only if the program prints YAML that contains `protocol: 1` and exits with 0. Any other result,
 //! including a crash, a timeout or too much output, is not a failure, because the command is optional.
 
+use crate::error::{Error, Result};
 use serde::Deserialize;
 
 use crate::kit::yaml::from_yaml;
@@ -55,12 +56,12 @@ impl Capabilities {
     ///
     /// # Errors
     /// Returns the reason why the output is not a valid declaration.
-    pub fn read(answer: &[u8]) -> Result<Capabilities, String> {
+    pub fn read(answer: &[u8]) -> Result<Capabilities> {
         let text = std::str::from_utf8(answer).map_err(|_| "the answer is not UTF-8".to_owned())?;
         let record: CapabilitiesRecord =
             from_yaml(text).map_err(|error| format!("the answer is not valid: {error}"))?;
         if record.protocol != 1 {
-            return Err(format!(
+            return Error::invalid(format!(
                 "the decoder speaks protocol {}, but this program speaks protocol 1",
                 record.protocol
             ));
@@ -174,7 +175,7 @@ mod tests {
             (deep.as_bytes(), "not valid"),
         ] {
             let error = Capabilities::read(answer).expect_err("it is invalid");
-            assert!(error.contains(says), "{error}");
+            assert!(error.to_string().contains(says), "{error}");
         }
     }
 }

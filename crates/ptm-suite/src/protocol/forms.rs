@@ -4,19 +4,20 @@
 //! so the requested view is assumed. A response in any form must be complete, and no bytes may follow it.
 
 use super::{image_file, npy};
+use crate::error::{Error, Result};
 use crate::protocol::frame::{Frame, View};
 
 /// Parses `bytes`, the complete response to a request for `view`. Decompresses at most `max_bytes` bytes.
 ///
 /// # Errors
 /// Returns the reason why `bytes` is not a valid response.
-pub fn read(bytes: &[u8], view: &View, max_bytes: usize) -> Result<Frame, String> {
+pub fn read(bytes: &[u8], view: &View, max_bytes: usize) -> Result<Frame> {
     if bytes.starts_with(b"\x93NUMPY") {
-        npy::read(bytes, view.kind()).map_err(|error| format!("a NumPy array: {error}"))
+        npy::read(bytes, view.kind()).map_err(|error| error.in_place("a NumPy array"))
     } else if let Some(image) = image_file::read(bytes, max_bytes) {
         image
     } else if let Some(form) = unsupported_form(bytes) {
-        Err(format!(
+        Error::invalid(format!(
             "{form}; an image is a PNG, PNM, TIFF, BMP, WebP or JPEG file, or a PTM1 line followed by samples"
         ))
     } else {

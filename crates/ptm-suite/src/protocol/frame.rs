@@ -8,6 +8,7 @@
 //!
 //! The samples follow texel by texel, top row first; `f32` is little-endian. Exit status: 0, 65 (malformed), 69 (unsupported).
 
+use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -175,9 +176,9 @@ impl fmt::Display for View {
 }
 
 impl FromStr for View {
-    type Err = String;
+    type Err = Error;
 
-    fn from_str(text: &str) -> Result<View, String> {
+    fn from_str(text: &str) -> Result<View> {
         let unknown = || {
             format!(
                 "unknown view {text:?}; views are raw, coef and rgb:LU,LV, for example rgb:0.25,-0.5"
@@ -190,7 +191,7 @@ impl FromStr for View {
                 let light = text.strip_prefix("rgb:").ok_or_else(unknown)?;
                 let (lu, lv) = light.split_once(',').ok_or_else(unknown)?;
                 match (lu.parse::<f64>(), lv.parse::<f64>()) {
-                    (Ok(lu), Ok(lv)) if lu.hypot(lv) > 1.0 => Err(format!(
+                    (Ok(lu), Ok(lv)) if lu.hypot(lv) > 1.0 => Error::invalid(format!(
                         "the light vector in {text:?} is longer than 1; it must be the projection of a unit vector"
                     )),
                     (Ok(lu), Ok(lv)) if lu.is_finite() && lv.is_finite() => Ok(View::Rgb(Light {
@@ -198,7 +199,7 @@ impl FromStr for View {
                         lv,
                         text: light.to_owned(),
                     })),
-                    _ => Err(unknown()),
+                    _ => Err(unknown().into()),
                 }
             }
         }
@@ -412,13 +413,13 @@ impl Frame {
     ///
     /// # Errors
     /// Returns the reason why `bytes` is not a frame.
-    pub fn read(bytes: &[u8]) -> Result<Frame, String> {
+    pub fn read(bytes: &[u8]) -> Result<Frame> {
         if bytes.is_empty() {
-            return Err("standard output is empty".to_owned());
+            return Error::invalid("standard output is empty");
         }
         if !bytes.starts_with(b"PTM1 ") {
             let beginning = bytes[..bytes.len().min(24)].escape_ascii();
-            return Err(format!(
+            return Error::invalid(format!(
                 "standard output begins with \"{beginning}\" instead of a PTM1 line"
             ));
         }
@@ -448,13 +449,13 @@ impl Frame {
     }
 
     /// Parses a PTM1 line into a frame without samples.
-    fn parse_line(line: &str) -> Result<Frame, String> {
+    fn parse_line(line: &str) -> Result<Frame> {
         if line.ends_with('\r') {
-            return Err("the PTM1 line ends in CR LF; is standard output in text mode?".to_owned());
+            return Error::invalid("the PTM1 line ends in CR LF; is standard output in text mode?");
         }
         let words: Vec<&str> = line.split(' ').collect();
         let [_, view, width, height, channels, kind] = words[..] else {
-            return Err(format!(
+            return Error::invalid(format!(
                 "{line:?} is not \"PTM1 VIEW WIDTH HEIGHT CHANNELS TYPE\""
             ));
         };
@@ -466,12 +467,12 @@ impl Frame {
         };
         let shape = [number(width)?, number(height)?, number(channels)?];
         if shape.contains(&0) {
-            return Err(format!("{line:?} announces an image without texels"));
+            return Error::invalid(format!("{line:?} announces an image without texels"));
         }
         let samples = match kind {
             "u8" => Samples::U8(Vec::new()),
             "f32" => Samples::F32(Vec::new()),
-            _ => return Err(format!("unknown type in {line:?}; types are u8 and f32")),
+            _ => return Error::invalid(format!("unknown type in {line:?}; types are u8 and f32")),
         };
         Ok(Frame::exact(view, shape, samples))
     }

@@ -7,6 +7,7 @@
 //! subsampling, so that each sample is close to the one that was saved. A coarser JPEG or a lossy WebP does not determine
 //! individual texels.
 
+use crate::error::{Error, Result};
 use std::io::Cursor;
 use std::panic::catch_unwind;
 
@@ -32,16 +33,16 @@ const FORMATS: [(ImageFormat, &str); 6] = [
 ];
 
 /// Decodes `bytes` if they begin with the signature of an accepted format. Decompresses at most `max_bytes` bytes of samples.
-pub(crate) fn read(bytes: &[u8], max_bytes: usize) -> Option<Result<Frame, String>> {
+pub(crate) fn read(bytes: &[u8], max_bytes: usize) -> Option<Result<Frame>> {
     let found = image::guess_format(bytes).ok()?;
     let (format, name) = FORMATS.into_iter().find(|(format, _)| *format == found)?;
     // A panic in the image library must not end the run.
     let read = catch_unwind(|| read_as(format, bytes, max_bytes));
-    let read = read.unwrap_or_else(|_| Err("the image library cannot read the image".to_owned()));
-    Some(read.map_err(|error| format!("{name}: {error}")))
+    let read = read.unwrap_or_else(|_| Error::invalid("the image library cannot read the image"));
+    Some(read.map_err(|error| error.in_place(name)))
 }
 
-fn read_as(format: ImageFormat, bytes: &[u8], max_bytes: usize) -> Result<Frame, String> {
+fn read_as(format: ImageFormat, bytes: &[u8], max_bytes: usize) -> Result<Frame> {
     let to_text = |error: image::ImageError| error.to_string();
     let mut cursor = Cursor::new(bytes);
     let mut reader = ImageReader::with_format(&mut cursor, format);
@@ -52,22 +53,21 @@ fn read_as(format: ImageFormat, bytes: &[u8], max_bytes: usize) -> Result<Frame,
     let (width, height) = decoder.dimensions();
     // Check the size before allocating memory for the texels.
     if decoder.total_bytes() > max_bytes as u64 {
-        return Err(format!(
+        return Error::invalid(format!(
             "the image has {width} x {height} texels, more than the PTM file"
         ));
     }
     let color = decoder.color_type();
     if color.bytes_per_pixel() != color.channel_count() {
         let bits = 8 * color.bytes_per_pixel() / color.channel_count();
-        return Err(format!("the image has {bits} bits per sample, not 8"));
+        return Error::invalid(format!("the image has {bits} bits per sample, not 8"));
     }
     match format {
         ImageFormat::Pnm => check_full_range(bytes)?,
         ImageFormat::Jpeg => check_quality(bytes)?,
         ImageFormat::WebP if is_lossy_webp(bytes) => {
-            return Err(
-                "four texels share one color, because the image is lossy; write a lossless image"
-                    .to_owned(),
+            return Error::invalid(
+                "four texels share one color, because the image is lossy; write a lossless image",
             );
         }
         _ => {}
@@ -88,12 +88,12 @@ fn read_as(format: ImageFormat, bytes: &[u8], max_bytes: usize) -> Result<Frame,
 }
 
 /// Rejects Netpbm files whose maximum value is not 255, because samples are not scaled.
-fn check_full_range(bytes: &[u8]) -> Result<(), String> {
+fn check_full_range(bytes: &[u8]) -> Result<()> {
     let decoder = PnmDecoder::new(bytes).map_err(|error| error.to_string())?;
     let header = decoder.header();
     match (header.subtype(), header.maximal_sample()) {
         (PnmSubtype::Bitmap(_), _) | (_, 255) => Ok(()),
-        (_, largest) => Err(format!("the maxval is {largest}, not 255")),
+        (_, largest) => Error::invalid(format!("the maxval is {largest}, not 255")),
     }
 }
 
@@ -113,7 +113,7 @@ fn is_lossy_webp(bytes: &[u8]) -> bool {
 }
 
 /// Rejects a JPEG with chroma subsampling or large quantization steps.
-fn check_quality(bytes: &[u8]) -> Result<(), String> {
+fn check_quality(bytes: &[u8]) -> Result<()> {
     let advice = "write the image with quality 95 or more and without subsampling, or use another image format";
     let mut stream = markers::Cursor::new(bytes, 2);
     while let Ok((code, content)) = stream.read_marker_segment()
@@ -122,7 +122,7 @@ fn check_quality(bytes: &[u8]) -> Result<(), String> {
         match (code, content) {
             (0xdb, tables) if largest_step(tables) > MAX_QUANTIZATION_STEP => {
                 let step = largest_step(tables);
-                return Err(format!(
+                return Error::invalid(format!(
                     "the quantization is too coarse, with steps of {step}; {advice}"
                 ));
             }
@@ -132,7 +132,7 @@ fn check_quality(bytes: &[u8]) -> Result<(), String> {
                 let mut factors = components.chunks(3).map(|component| component.get(1));
                 let first = factors.next();
                 if factors.any(|other| Some(other) != first) {
-                    return Err(format!("several texels share one color; {advice}"));
+                    return Error::invalid(format!("several texels share one color; {advice}"));
                 }
             }
             _ => {}
@@ -161,7 +161,7 @@ fn largest_step(mut tables: &[u8]) -> u16 {
 
 /// Rejects an image that lacks its end marker or is followed by other bytes. `end` is the position after the samples, where a
 /// Netpbm file ends. The `image` crate checks the formats that declare a length.
-fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String> {
+fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<()> {
     const IEND: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
     let end = match format {
         ImageFormat::Png => {
@@ -176,23 +176,23 @@ fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<(), String
         }
         ImageFormat::Pnm => end,
         ImageFormat::Jpeg if !bytes.ends_with(b"\xff\xd9") => {
-            return Err("the image does not end with the marker FFD9".to_owned());
+            return Error::invalid("the image does not end with the marker FFD9");
         }
         _ => bytes.len(),
     };
     match bytes.len() - end {
         0 => Ok(()),
-        more => Err(format!("{more} bytes follow the end marker")),
+        more => Error::invalid(format!("{more} bytes follow the end marker")),
     }
 }
 
 /// Rejects an image with alpha other than 255.
-fn check_opaque(image: &DynamicImage) -> Result<(), String> {
+fn check_opaque(image: &DynamicImage) -> Result<()> {
     let image = image.to_rgba8();
     let mut texels = image.enumerate_pixels();
     match texels.find(|(_, _, texel)| texel.0[3] != 255) {
         None => Ok(()),
-        Some((x, y, texel)) => Err(format!(
+        Some((x, y, texel)) => Error::invalid(format!(
             "texel ({x}, {y}) is not opaque (its alpha is {}), but PTMs have no transparency",
             texel.0[3]
         )),

@@ -1,6 +1,7 @@
 //! NumPy arrays: `\x93NUMPY`, a version, the length of the header, and the header, which is a Python dictionary with `descr`,
 //! `fortran_order` and `shape`. The shape is (height, width, channels), the type is `u1` or `<f4`, and the order is C order.
 
+use crate::error::{Error, Result};
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 use ptm::error::byte_count;
 
@@ -8,7 +9,7 @@ use ptm::error::byte_count;
 ///
 /// # Errors
 /// Returns the reason why the array is not a frame.
-pub fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
+pub fn read(bytes: &[u8], view: ViewKind) -> Result<Frame> {
     let (header, data) = split(bytes)?;
     let NpyHeader {
         descr,
@@ -16,25 +17,25 @@ pub fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
         shape,
     } = NpyHeader::parse(header)?;
     if fortran_order {
-        return Err("the samples are in Fortran order; save numpy.ascontiguousarray(a)".to_owned());
+        return Error::invalid("the samples are in Fortran order; save numpy.ascontiguousarray(a)");
     }
     let is_float = match descr.as_str() {
         "|u1" | "<u1" | "u1" | "|B" => false,
         "<f4" => true,
         ">f4" => {
-            return Err(
-                "the samples are f32 with the high byte first; save a.astype('<f4')".to_owned(),
+            return Error::invalid(
+                "the samples are f32 with the high byte first; save a.astype('<f4')",
             );
         }
-        "<f8" | ">f8" => return Err("the samples are f64; save a.astype('<f4')".to_owned()),
+        "<f8" | ">f8" => return Error::invalid("the samples are f64; save a.astype('<f4')"),
         other => {
-            return Err(format!(
+            return Error::invalid(format!(
                 "the type is {other:?}; expected '|u1' for raw and rgb, or '<f4' for coef"
             ));
         }
     };
     let [height, width, channels] = shape[..] else {
-        return Err(format!(
+        return Error::invalid(format!(
             "the shape has {} numbers; expected (height, width, channels)",
             shape.len()
         ));
@@ -50,7 +51,7 @@ pub fn read(bytes: &[u8], view: ViewKind) -> Result<Frame, String> {
     Ok(Frame::exact(view, shape, samples))
 }
 
-fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
+fn split(bytes: &[u8]) -> Result<(&str, &[u8])> {
     let truncated = || "the file ends within its header".to_owned();
     let version = bytes.get(6..8).ok_or_else(truncated)?;
     let (length, start) = match (version, bytes.get(8..10), bytes.get(8..12)) {
@@ -59,9 +60,9 @@ fn split(bytes: &[u8]) -> Result<(&str, &[u8]), String> {
             let length = [length[0], length[1], length[2], length[3]];
             (u32::from_le_bytes(length) as usize, 12)
         }
-        ([1..=3, 0], ..) => return Err(truncated()),
+        ([1..=3, 0], ..) => return Err(truncated().into()),
         _ => {
-            return Err(format!(
+            return Error::invalid(format!(
                 "the version is {}.{}; supported versions are 1.0, 2.0 and 3.0",
                 version[0], version[1]
             ));
@@ -83,7 +84,7 @@ struct NpyHeader {
 }
 
 impl NpyHeader {
-    fn parse(text: &str) -> Result<NpyHeader, String> {
+    fn parse(text: &str) -> Result<NpyHeader> {
         let mut rest = DictionaryText(text);
         let (mut descr, mut fortran_order, mut shape) = (None, None, None);
         rest.expect("{")?;
@@ -94,10 +95,10 @@ impl NpyHeader {
                 "descr" => descr.replace(rest.parse_string()?.to_owned()).is_none(),
                 "fortran_order" => fortran_order.replace(rest.boolean()?).is_none(),
                 "shape" => shape.replace(rest.tuple()?).is_none(),
-                other => return Err(format!("the header has an unknown key {other:?}")),
+                other => return Error::invalid(format!("the header has an unknown key {other:?}")),
             };
             if !is_new {
-                return Err(format!("the header has {key:?} twice"));
+                return Error::invalid(format!("the header has {key:?} twice"));
             }
             if !rest.accept(",") {
                 rest.expect("}")?;
@@ -105,7 +106,7 @@ impl NpyHeader {
             }
         }
         if !rest.0.trim_start_matches(' ').is_empty() {
-            return Err(format!("the header continues after the dictionary: {rest}"));
+            return Error::invalid(format!("the header continues after the dictionary: {rest}"));
         }
         match (descr, fortran_order, shape) {
             (Some(descr), Some(fortran_order), Some(shape)) => Ok(NpyHeader {
@@ -113,7 +114,7 @@ impl NpyHeader {
                 fortran_order,
                 shape,
             }),
-            _ => Err("the header lacks one of descr, fortran_order and shape".to_owned()),
+            _ => Error::invalid("the header lacks one of descr, fortran_order and shape"),
         }
     }
 }
@@ -129,16 +130,16 @@ impl<'a> DictionaryText<'a> {
         rest.is_some()
     }
 
-    fn expect(&mut self, token: &str) -> Result<(), String> {
+    fn expect(&mut self, token: &str) -> Result<()> {
         if self.accept(token) {
             Ok(())
         } else {
-            Err(format!("expected {token:?} before {self} in the header"))
+            Error::invalid(format!("expected {token:?} before {self} in the header"))
         }
     }
 
     /// Parses a quoted string without escapes.
-    fn parse_string(&mut self) -> Result<&'a str, String> {
+    fn parse_string(&mut self) -> Result<&'a str> {
         let quote = ["'", "\""].into_iter().find(|quote| self.accept(quote));
         let quote =
             quote.ok_or_else(|| format!("expected a string in the header, found {self}"))?;
@@ -150,15 +151,15 @@ impl<'a> DictionaryText<'a> {
         Ok(string)
     }
 
-    fn boolean(&mut self) -> Result<bool, String> {
+    fn boolean(&mut self) -> Result<bool> {
         match (self.accept("False"), self.accept("True")) {
             (true, false) => Ok(false),
             (false, true) => Ok(true),
-            _ => Err(format!("fortran_order is neither True nor False: {self}")),
+            _ => Error::invalid(format!("fortran_order is neither True nor False: {self}")),
         }
     }
 
-    fn tuple(&mut self) -> Result<Vec<u32>, String> {
+    fn tuple(&mut self) -> Result<Vec<u32>> {
         let mut numbers = Vec::new();
         self.expect("(")?;
         while !self.accept(")") {

@@ -1,5 +1,6 @@
 //! The embedded suite of texture cases, and case files in the same format.
 
+use crate::error::{Error, Result};
 use std::sync::OnceLock;
 
 use serde::Deserialize;
@@ -85,10 +86,10 @@ impl Suite<TextureCase> {
     ///
     /// # Errors
     /// Returns a message that names the file and the error.
-    pub fn load_texture() -> Result<Suite<TextureCase>, String> {
+    pub fn load_texture() -> Result<Suite<TextureCase>> {
         let mut cases = Vec::new();
         for (name, text) in ptm_spec_cases::texture::CASES {
-            cases.extend(parse_cases(text).map_err(|error| format!("{name}: {error}"))?);
+            cases.extend(parse_cases(text).map_err(|error| error.in_place(name))?);
         }
         Ok(Suite { cases })
     }
@@ -98,20 +99,20 @@ impl Suite<TextureCase> {
 ///
 /// # Errors
 /// Returns the error and its location.
-pub fn parse_cases(text: &str) -> Result<Vec<TextureCase>, String> {
+pub fn parse_cases(text: &str) -> Result<Vec<TextureCase>> {
     let file: Value = from_yaml(text)?;
     let cases = match file {
         Value::Array(cases) => cases,
         Value::Object(mut file) => match file.remove("cases") {
             Some(Value::Array(cases)) => cases,
-            _ => return Err("expected a list under \"cases\"".to_owned()),
+            _ => return Error::invalid("expected a list under \"cases\""),
         },
-        _ => return Err("expected a list of cases".to_owned()),
+        _ => return Error::invalid("expected a list of cases"),
     };
     let read = |(number, value): (usize, Value)| {
         let name = value["id"].as_str().unwrap_or("no id").to_owned();
         serde_json::from_value(value)
-            .map_err(|error| format!("case {} ({name}): {error}", number + 1))
+            .map_err(|error| format!("case {} ({name}): {error}", number + 1).into())
     };
     cases.into_iter().enumerate().map(read).collect()
 }
@@ -142,7 +143,7 @@ impl TextureCase {
 ///
 /// # Errors
 /// Returns a message that describes the error in the file.
-pub fn clauses() -> Result<Vec<Clause>, String> {
+pub fn clauses() -> Result<Vec<Clause>> {
     Ok(from_files::<Vec<Clause>>(ptm_spec_cases::texture::CLAUSES)?.concat())
 }
 
@@ -150,6 +151,6 @@ pub fn clauses() -> Result<Vec<Clause>, String> {
 ///
 /// # Errors
 /// Returns a message that describes the error in the file.
-pub fn rulings() -> Result<Vec<Ruling>, String> {
+pub fn rulings() -> Result<Vec<Ruling>> {
     Ok(from_files::<Vec<Ruling>>(ptm_spec_cases::texture::RULINGS)?.concat())
 }

@@ -3,6 +3,7 @@
 //! A question is `{"op": …, "given": {…}}`. Each op is one step of the pipeline, or the whole pipeline (`stage`). A missing field
 //! of an entry has its fallback value. Enumerants are written as in the chapter, but without their prefixes.
 
+use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -543,9 +544,9 @@ struct GivenLevel {
 }
 
 impl TryFrom<Value> for GivenMap {
-    type Error = String;
+    type Error = Error;
 
-    fn try_from(value: Value) -> Result<GivenMap, String> {
+    fn try_from(value: Value) -> Result<GivenMap> {
         let read = match &value {
             Value::String(name) => Ok(GivenMap::Named(name.clone())),
             Value::Object(fields) if fields.contains_key("ptm") => {
@@ -553,7 +554,7 @@ impl TryFrom<Value> for GivenMap {
             }
             _ => GivenLevels::deserialize(&value).map(GivenMap::Levels),
         };
-        read.map_err(|error| format!("map: {error}"))
+        read.map_err(|error| format!("map: {error}").into())
     }
 }
 
@@ -606,7 +607,7 @@ impl GivenLevels {
             let texels = texels.ok_or_else(error)?;
             levels.push(Level { size, texels });
         }
-        TextureMap::new(dimensions, levels).map_err(malformed)
+        TextureMap::new(dimensions, levels).map_err(|error| malformed(error.to_string()))
     }
 }
 
