@@ -13,7 +13,7 @@ pub type Changes = fn(slug: &str) -> Option<Change>;
 pub enum Change {
     /// Changes the bytes of the file.
     Bytes(fn(&Anatomy) -> EditedFile),
-    /// Replaces a decision.
+    /// Replaces a decision of the reading.
     Reading(fn(&mut Reading)),
     /// Changes the decoded map.
     Map(fn(&mut Ptm)),

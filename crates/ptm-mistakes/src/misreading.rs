@@ -78,7 +78,7 @@ impl Misreading {
         }
     }
 
-    /// Returns true if the mistake changes a decision of [`Reading`] or edits formulas. A decoder makes each decision in only one
+    /// Returns true if the mistake changes a decision of `Reading` or edits formulas. A decoder makes each decision in only one
     /// way.
     #[must_use]
     pub const fn is_decision(&self) -> bool {

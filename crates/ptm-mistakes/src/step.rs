@@ -4,7 +4,7 @@ use crate::formula::Formula;
 use crate::formula::Stage::{self, Coefficients, Color, Decoding, File, Planes};
 
 /// A step of decoding that a mistake can change: the bytes of the file, the decoded map, or a decision of
-/// [`Reading`](ptm::Reading).
+/// `Reading`.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Step {
     /// Name used in `misreadings.yaml`: `bytes`, `map`, or the field of `Reading`.

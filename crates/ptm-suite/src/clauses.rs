@@ -50,7 +50,7 @@ pub struct Ruling {
     /// Other readings that are also correct.
     #[serde(default, rename = "also")]
     pub alternatives: Vec<String>,
-    /// Field of [`Reading`](ptm::Reading) whose function decides a choice about PTM files.
+    /// Field of `Reading` whose function decides a choice about PTM files.
     pub step: Option<String>,
     /// The behavior of known readers, or properties of real files.
     pub evidence: String,

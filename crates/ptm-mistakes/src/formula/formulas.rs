@@ -198,7 +198,7 @@ pub struct StatedFormula {
     pub scope: Scope,
     /// Expression in this scope.
     pub expression: Expression,
-    /// Field of [`Reading`](ptm::Reading) that makes the same decision, if there is one.
+    /// Field of `Reading` that makes the same decision, if there is one.
     pub step: Option<&'static str>,
 }
 

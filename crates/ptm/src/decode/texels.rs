@@ -18,7 +18,7 @@
 //! - Blocks are not interleaved: all coefficients of all texels precede the first color. `PTM_1.1` interleaves the nine bytes of
 //!   a texel, and some decoders derived from 1.1 decoders still expect this order.
 //! - The six coefficients of a texel are adjacent in every uncompressed format. Only §2.9 has planes.
-//! - This module defines the order of stored rows for all formats. `stored` flips the rows.
+//! - This module defines the order of stored rows for all formats. `stored.rs` flips the rows.
 
 use std::borrow::Cow;
 
