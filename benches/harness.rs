@@ -12,13 +12,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use ptm_conform::pipeline::judge_answers;
 use ptm_conform::runner::processes;
-use ptm_conform::runner::run::{AttemptKind, Decoder, Request};
+use ptm_conform::runner::run::Decoder;
 use ptm_conform::runner::scratch::Scratch;
 use ptm_conform::runner::serve::Servers;
 use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::check;
 use ptm_suite::cases::Suite;
+use ptm_suite::protocol::request::{AttemptKind, Request};
 
 /// Number of measurements of each kind. The best one counts, because the others include more unrelated load.
 const ROUNDS: usize = 3;
@@ -113,7 +114,7 @@ fn run(suite: &Suite, decoder: &Decoder, selected: &[bool], serves: bool, scratc
         true => servers.ask(request, job),
         false => decoder.ask(request, scratch),
     };
-    let run = check(suite, &plan, &ask, &|_, _, _, _| ());
+    let run = judge_answers(suite, &plan, &ask);
     if run.exit_status() != 0 {
         println!("some cases failed: on a busy machine, requests may exceed the time limit");
     }
@@ -122,7 +123,7 @@ fn run(suite: &Suite, decoder: &Decoder, selected: &[bool], serves: bool, scratc
 fn count_calls(suite: &Suite, decoder: &Decoder, selected: &[bool], scratch: &Scratch) -> usize {
     let servers = Servers::new(decoder, scratch, jobs());
     let ask = |request: &Request<'_>, job: usize| servers.ask(request, job);
-    check(suite, &plan(selected, true), &ask, &|_, _, _, _| ()).request_count
+    judge_answers(suite, &plan(selected, true), &ask).request_count
 }
 
 /// Writes the files of all requests of a run. Returns their views and paths.
@@ -144,7 +145,7 @@ fn requests(suite: &Suite, decoder: &Decoder, scratch: &Scratch) -> Vec<(String,
         jobs: 1,
         ..plan(&vec![true; suite.cases.len()], true)
     };
-    check(suite, &plan, &ask, &|_, _, _, _| ());
+    judge_answers(suite, &plan, &ask);
     recorded.into_inner().expect("no worker panics")
 }
 

@@ -19,6 +19,9 @@ pub mod strength;
 pub mod report;
 
 #[cfg(unix)]
+pub mod pipeline;
+
+#[cfg(unix)]
 pub mod fuzz;
 
 pub mod writers;

@@ -6,11 +6,11 @@ use std::sync::Mutex;
 
 use ptm::Format;
 use ptm::Reading;
-use ptm_conform::runner::run::{Reply, Request};
-use ptm_conform::session::plan::RunPlan;
-use ptm_conform::session::run::{Run, check};
+use ptm_conform::pipeline::{Check, Observer, check};
+use ptm_conform::session::{observation::Observation, plan::RunPlan, run::Run};
 use ptm_mistakes::answer;
-use ptm_suite::cases::Suite;
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::protocol::request::{Reply, Request};
 
 use crate::measure::{own_time, slope};
 
@@ -80,7 +80,18 @@ fn run_all(suite: &Suite, progress: impl Fn(usize) + Sync) -> Run {
     let ask = |request: &Request<'_>, _: usize| {
         Reply::from(answer(&[], Reading::SPEC, request.file, request.view))
     };
-    let run = check(suite, &plan, &ask, &|_, _, done, _| progress(done));
+    let check_of_answers = Check::of_answers(suite, &plan);
+    let checked = check(&check_of_answers, &ask, &Progress(progress));
+    let run = checked.expect("a function has no trouble").run;
     assert_eq!(run.exit_status(), 0, "the reference passes");
     run
+}
+
+/// Calls a function after each case, with the number of finished cases.
+struct Progress<F>(F);
+
+impl<F: Fn(usize) + Sync> Observer for Progress<F> {
+    fn case_finished(&self, _: &Case, _: &Observation, done: usize, _: usize) {
+        (self.0)(done);
+    }
 }

@@ -1,29 +1,30 @@
 //! `ptm-conform check`: runs a suite, from first contact to the report and the likely causes.
 
-use std::cell::OnceCell;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 
-use super::driver::{Check, ProgramRun};
+use super::calls::{StopFlag, quote_command};
+use super::check_args::CheckArgs;
+use super::display::Display;
 use super::ending::ReportWriter;
-use super::guard::{ScratchGuard, check_for_trouble, stop_on_signals};
+use super::guard::{ScratchGuard, stop_on_signals};
 use super::names::did_you_mean;
 use super::output::{jobs, print};
 use super::probe::save_files;
-use super::subject::{Answers, Subject, decoder_for_command};
+use super::subject::{Answers, NamedDecoder, decoder_for_command};
 use super::terminal::print_styled;
 use super::{CommandResult, own_files};
-use super::{calls::quote_command, check_args::CheckArgs};
-use crate::report::reported::find_misreadings;
-use crate::report::shards::{Circumstances, OtherRemarks};
-use crate::runner::{processes, run::Request, scratch::Scratch, serve::Servers};
-use crate::session::contact::Contact;
+use crate::pipeline::explain::find_misreadings;
+use crate::pipeline::recorder::ShardRecorder;
+use crate::pipeline::subject::{OneShot, Program, Subject};
+use crate::pipeline::{self, Check, Checked};
+use crate::report::html::{self, Evidence};
+use crate::report::shards::Circumstances;
+use crate::runner::{processes, serve::Servers};
 use crate::session::plan::{Repeat, RunPlan};
-use crate::session::probe::{ProbeStep, wrapper_faults};
-use crate::session::remark::Remark;
-use crate::session::{lit_scene, locale, texture_stage};
+use crate::session::probe::ProbeStep;
+use crate::session::texture_stage;
 use crate::strength::smoke;
-use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::protocol::request::Request;
 use ptm_suite::{cases::Suite, texture::test_case::TextureView};
 
 /// Runs a suite.
@@ -48,100 +49,99 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     Ok(status)
 }
 
-fn check_decoder(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
+fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     let suite = Suite::load()?;
-    let subset = match args.smoke {
-        true => smoke::selection(&suite)?,
-        false => vec![true; suite.cases.len()],
-    };
-    let selected = args.select_cases(&suite, &subset)?;
-    for slug in &args.assumed {
-        let slugs = ptm_mistakes::all().map(|misreading| misreading.slug);
-        let known = find_misreadings(std::slice::from_ref(slug));
-        known.map_err(|error| error + &did_you_mean(slug, slugs))?;
-    }
-    let mut subject = Subject::new(args, &suite, stop)?;
+    let smoke = smoke::selection(&suite)?;
+    let selected = args.select_cases(&suite, |i| !args.smoke || smoke[i])?;
+    reject_unknown_misreadings(&args.assumed)?;
+
+    let mut decoder = NamedDecoder::new(args, &suite, stop)?;
     let guarded = ScratchGuard::new()?;
     let scratch = &guarded.scratch;
-    let capabilities = capabilities(&mut subject, args, scratch);
-    if let (Some(directory), Some(decoder)) = (&args.files, subject.program()) {
-        return own_files::check(directory, &args.views, &args.run.report, decoder, scratch);
+    let capabilities = decoder.query_capabilities(args, scratch);
+    if let (Some(directory), Some(program)) = (&args.files, decoder.program()) {
+        return own_files::check(directory, &args.views, &args.run.report, program, scratch);
     }
     let serves = args.serve || capabilities.serves && !args.one_shot;
-    let mut plan = plan(args, &suite, &subject, serves)?.with_capabilities(&capabilities);
-    (plan.selected, plan.stop) = (selected, Arc::clone(stop));
-    let served = subject.program().filter(|_| serves);
-    let servers = served.map(|decoder| Servers::new(decoder, scratch, plan.jobs));
-    let ask = |request: &Request<'_>, job: usize| {
-        let reply = match (&subject.answers, &servers) {
-            (Answers::Precomputed(outputs), _) => outputs.ask(request),
-            (Answers::Caller(caller), _) => caller.ask(request),
-            (Answers::Program(_), Some(servers)) => servers.ask(request, job),
-            (Answers::Program(decoder), None) => decoder.ask(request, scratch),
-        };
-        subject.interpret_reply(&suite, request, reply)
+
+    let precomputed = matches!(decoder.answers, Answers::Precomputed(_));
+    let plan = RunPlan {
+        selected,
+        prioritized: smoke,
+        views: decoder.views.clone(),
+        withheld: decoder.withheld.clone(),
+        precomputed,
+        repeat: if precomputed {
+            Repeat::Nothing
+        } else if serves {
+            Repeat::FailuresAndSample
+        } else {
+            Repeat::Failures
+        },
+        stop: Arc::clone(stop),
+        ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?)
+    }
+    .with_capabilities(&capabilities);
+    let check = Check {
+        circumstances: Circumstances {
+            command: decoder.words.clone(),
+            name: capabilities.name.clone(),
+            version: capabilities.version.clone(),
+            assumed: args.assumed.clone(),
+            limits: args.limits(serves),
+        },
+        requests_scene: args.output.html.is_some(),
+        ..Check::new(&suite, &plan)
     };
-    let circumstances = Circumstances {
-        command: subject.words.clone(),
-        name: capabilities.name.clone(),
-        version: capabilities.version.clone(),
-        assumed: args.assumed.clone(),
-        limits: args.limits(serves),
+    let subject: Box<dyn Subject> = match &decoder.answers {
+        Answers::Precomputed(outputs) => Box::new(outputs),
+        Answers::Caller(caller) => Box::new(caller),
+        Answers::Program(program) => Box::new(Program {
+            decoder: program,
+            servers: serves.then(|| Servers::new(program, scratch, plan.jobs)),
+            scratch,
+            command: &args.decoder,
+            capabilities: &capabilities,
+            advice: args
+                .reordered_command()
+                .map(|command| format!("options come before the decoder: {command}")),
+            without_refusals: (!decoder.withheld.is_empty()).then_some(&suite),
+        }),
     };
+
     let writer = ReportWriter::new(&suite, &args.run.report, &args.output)?;
-    let mut check = Check::new(&suite, &plan, circumstances, writer, args.shard)?;
-    if !serves && args.cmd.is_none() {
-        check.speed_hint = SERVE_MODE_IS_FASTER;
-    }
-    let faults = OnceCell::new();
-    let mut run = check.run_cases(&ask, &|contact| {
-        let Some(decoder) = subject.program() else {
-            return;
-        };
-        // The command is empty for a template or the built-in reference.
-        let found = wrapper_faults(&args.decoder, decoder, scratch, &suite, &plan, contact);
-        report_wrapper_faults(contact, &found);
-        if let (Some(why), Some(command)) = (&mut contact.not_a_decoder, args.reordered_command()) {
-            *why = format!("{why}\n→ options come before the decoder: {command}");
-        }
-        let _ = faults.set(found);
-    });
-    subject.program().map_or(Ok(()), check_for_trouble)?;
-    if args.output.html.is_some() && run.ended_early.is_none() {
-        run.scene = lit_scene::request(&run.offer, &run.judgment.decoded, &ask);
-    }
-    let notes = capabilities.remarks.iter();
-    let notes = notes.map(|says| Remark::note(format!("capabilities: {says}")));
-    // The answers may differ in a locale with a decimal comma, if the system has one.
-    let whole = run.not_a_decoder.is_none() && run.ended_early.is_none();
-    let locale = subject.program().filter(|_| whole).and_then(|decoder| {
-        let locale = locale::comma_locale()?;
-        locale::difference(&suite, &run, decoder, &locale, scratch).map(Remark::failure)
-    });
-    let others = OtherRemarks {
-        before: serve_mode_remarks(servers.as_ref()),
-        after: notes.chain(locale).collect(),
+    let recorder = args
+        .shard
+        .map(|part| ShardRecorder::new(part, &plan, &check.circumstances, &args.run.report));
+    let speed_hint = (!serves && args.cmd.is_none()).then_some(SERVE_MODE_IS_FASTER);
+    let display = Display::new(writer, speed_hint, recorder.transpose()?)?;
+    let Checked {
+        run,
+        report,
+        faults,
+        scene,
+    } = pipeline::check(&check, &*subject, &display)?;
+    let evidence = Evidence {
+        scene: scene.as_ref(),
+        ..Evidence::new(&suite, &run, html::case_evidence)
     };
-    let status = check.conclude(run, others)?;
-    print_commands(args, &faults.into_inner().unwrap_or_default());
+    let status = display.finish(&run, report, &evidence)?;
+    print_commands(args, &faults);
     Ok(status)
 }
 
-/// Adds the wrapper's faults to the results of first contact. If there are any faults, the run ends after first contact.
-fn report_wrapper_faults(contact: &mut Contact, faults: &[ProbeStep]) {
-    for fault in faults {
-        let says = match &fault.next {
-            Some(next) => format!("{}\n→ {next}", fault.message),
-            None => fault.message.clone(),
-        };
-        match &mut contact.not_a_decoder {
-            Some(why) => *why = format!("{why}\n{says}"),
-            None => contact.remarks.push(Remark::failure(says)),
+/// Returns an error, with similar names, if an assumed misreading is unknown.
+fn reject_unknown_misreadings(slugs: &[String]) -> Result<(), String> {
+    for slug in slugs {
+        if let Err(error) = find_misreadings(std::slice::from_ref(slug)) {
+            let known = ptm_mistakes::all().map(|misreading| misreading.slug);
+            return Err(error + &did_you_mean(slug, known));
         }
-        contact.end_reason = Some(FIX_THE_WRAPPER.to_owned());
     }
+    Ok(())
 }
 
+/// Prints commands that reproduce the faults of a wrapper, and saves the files that they need.
 fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     if args.cmd.is_some() {
         return;
@@ -158,25 +158,41 @@ fn print_commands(args: &CheckArgs, faults: &[ProbeStep]) {
     }
 }
 
-fn check_stage(args: &CheckArgs, stop: &Arc<AtomicBool>) -> CommandResult {
+fn check_stage(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     reject_file_options(args)?;
     let suite = Suite::load_texture()?;
-    let selected = args.select_cases(&suite, &vec![true; suite.cases.len()])?;
+    let selected = args.select_cases(&suite, |_| true)?;
     let (mut decoder, words) = decoder_for_command(&args.decoder)?;
     args.run.calls.apply_limits(&mut decoder, stop)?;
     let guarded = ScratchGuard::new()?;
-    let ask = |request: &Request<'_, TextureView>, _: usize| {
-        texture_stage::send_question(&decoder, request, &guarded.scratch)
+    let plan = RunPlan {
+        selected,
+        repeat: Repeat::Failures,
+        stop: Arc::clone(stop),
+        ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?)
     };
-    let run = ProgramRun {
+    let check = Check {
+        circumstances: Circumstances {
+            command: words,
+            limits: args.limits(false),
+            ..Circumstances::default()
+        },
+        ..Check::new(&suite, &plan)
+    };
+    let stage = OneShot {
         program: &decoder,
-        words: &words,
-        limits: args.limits(false),
-        args: &args.run,
-        output: &args.output,
-        shard: args.shard,
+        ask: |request: &Request<'_, TextureView>, _: usize| {
+            texture_stage::send_question(&decoder, request, &guarded.scratch)
+        },
     };
-    run.check(&suite, selected, &ask)
+    let writer = ReportWriter::new(&suite, &args.run.report, &args.output)?;
+    let recorder = args
+        .shard
+        .map(|part| ShardRecorder::new(part, &plan, &check.circumstances, &args.run.report));
+    let display = Display::new(writer, None, recorder.transpose()?)?;
+    let Checked { run, report, .. } = pipeline::check(&check, &stage, &display)?;
+    let evidence = Evidence::new(&suite, &run, html::question_evidence);
+    Ok(display.finish(&run, report, &evidence)?)
 }
 
 /// Returns an error if an option does not apply to texture questions.
@@ -192,43 +208,6 @@ fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
         _ => return Ok(()),
     };
     Err(format!("{option} works only with --suite ptm"))
-}
-
-fn plan(args: &CheckArgs, suite: &Suite, tested: &Subject, serve: bool) -> Result<RunPlan, String> {
-    let precomputed = matches!(tested.answers, Answers::Precomputed(_));
-    Ok(RunPlan {
-        prioritized: smoke::selection(suite)?,
-        views: tested.views.clone(),
-        withheld: tested.withheld.clone(),
-        precomputed,
-        repeat: match (precomputed, serve) {
-            (true, _) => Repeat::Nothing,
-            (false, true) => Repeat::FailuresAndSample,
-            (false, false) => Repeat::Failures,
-        },
-        ..RunPlan::new(suite, jobs(args.run.calls.jobs)?)
-    })
-}
-
-/// Requests the capabilities of a program. Most programs declare none.
-fn capabilities(subject: &mut Subject, args: &CheckArgs, scratch: &Scratch) -> Capabilities {
-    let Answers::Program(decoder) = &mut subject.answers else {
-        return Capabilities::default();
-    };
-    let capabilities = decoder.capabilities(scratch).unwrap_or_default();
-    decoder.reject_exit = args.reject_exit.or(capabilities.reject_exit);
-    capabilities
-}
-
-/// Reason why a run with a faulty wrapper ends at first contact.
-const FIX_THE_WRAPPER: &str = "the run ended after the initial checks: fix the wrapper first, because its faults would make most cases fail";
-
-/// Returns a remark if the decoder never answered in serve mode.
-fn serve_mode_remarks(servers: Option<&Servers>) -> Vec<Remark> {
-    let failure = servers.and_then(Servers::failure);
-    let remark = failure
-        .map(|why| format!("serve mode failed and was replaced by one process per request: {why}"));
-    remark.map(Remark::failure).into_iter().collect()
 }
 
 /// Hint that serve mode is faster, for a run that does not use it.

@@ -124,7 +124,7 @@ impl CheckArgs {
     pub fn select_cases<C: TestCase>(
         &self,
         suite: &Suite<C>,
-        subset: &[bool],
+        is_in_subset: impl Fn(usize) -> bool,
     ) -> Result<Vec<bool>, CommandError> {
         let is_named = id_filter(&self.cases)?;
         let is_about = |clause: &String| {
@@ -137,8 +137,10 @@ impl CheckArgs {
                 && (self.clauses.is_empty() || case.clauses().iter().any(is_about))
                 && is_in_shard(case.id())
         };
-        let cases = suite.cases.iter().zip(subset);
-        let selected: Vec<bool> = cases.map(|(case, &is_in)| is_in && matches(case)).collect();
+        let cases = suite.cases.iter().enumerate();
+        let selected: Vec<bool> = cases
+            .map(|(i, case)| is_in_subset(i) && matches(case))
+            .collect();
         if selected.contains(&true) {
             return Ok(selected);
         }

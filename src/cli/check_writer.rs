@@ -9,18 +9,25 @@ use std::sync::atomic::AtomicBool;
 
 use clap::Args;
 
+use super::ending::{OutputArgs, ReportWriter};
 use super::guard::{ScratchGuard, stop_on_signals};
 use super::subject::{decoder_for_command, decoder_from_template};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
-use super::{arguments::id_filter, calls::RunArgs, driver::ProgramRun, ending::OutputArgs};
+use super::{arguments::id_filter, calls::RunArgs, display::Display, output::jobs};
+use crate::pipeline::subject::OneShot;
+use crate::pipeline::{self, Check, Checked};
+use crate::report::html::Evidence;
+use crate::report::shards::Circumstances;
 use crate::runner::processes;
-use crate::runner::run::{Decoder, Request};
+use crate::runner::run::Decoder;
 use crate::runner::template::Template;
+use crate::session::plan::{Repeat, RunPlan};
 use crate::writers::asking::{self, VALUES};
 use crate::writers::fitting::photographs::ImageSet;
-use crate::writers::test_case::{FileCase, RequestValues, WriteView};
+use crate::writers::test_case::{self, FileCase, RequestValues, WriteView};
 use ptm::Format;
 use ptm_suite::cases::Suite;
+use ptm_suite::protocol::request::Request;
 
 /// Check a program that writes PTM files and name the clauses that it gets wrong.
 ///
@@ -106,19 +113,32 @@ fn check<V: RequestValues>(
     }
     let (writer, words) = args.writer(V::VERB, stop)?;
     let guarded = ScratchGuard::new()?;
-    let ask = |request: &Request<'_, WriteView>, _: usize| {
-        let case = suite.case(request.name).expect("the case exists");
-        asking::request_file(&writer, case, request.attempt, &guarded.scratch)
+    let plan = RunPlan {
+        selected,
+        repeat: Repeat::Failures,
+        stop: Arc::clone(stop),
+        ..RunPlan::new(suite, jobs(args.run.calls.jobs)?)
     };
-    let run = ProgramRun {
+    let check = Check {
+        circumstances: Circumstances {
+            command: words,
+            limits: args.limits(),
+            ..Circumstances::default()
+        },
+        ..Check::new(suite, &plan)
+    };
+    let subject = OneShot {
         program: &writer,
-        words: &words,
-        limits: args.limits(),
-        args: &args.run,
-        output: &args.output,
-        shard: None,
+        ask: |request: &Request<'_, WriteView>, _: usize| {
+            let case = suite.case(request.name).expect("the case exists");
+            asking::request_file(&writer, case, request.attempt, &guarded.scratch)
+        },
     };
-    run.check(suite, selected, &ask)
+    let report_writer = ReportWriter::new(suite, &args.run.report, &args.output)?;
+    let display = Display::new(report_writer, None, None)?;
+    let Checked { run, report, .. } = pipeline::check(&check, &subject, &display)?;
+    let evidence = Evidence::new(suite, &run, test_case::evidence);
+    Ok(display.finish(&run, report, &evidence)?)
 }
 
 impl CheckWriterArgs {

@@ -71,7 +71,7 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
         Some(target) => convert(&dissection, ptm, target).map(|made| (target.format, made)),
         None => convert_for(&dissection, ptm, &readers),
     };
-    let (format, converted) = converted.map_err(|why| CommandError::new(1, &why))?;
+    let (format, converted) = converted.map_err(|why| CommandError::new(1, &why.to_string()))?;
     files::write_atomically(&args.output, &converted.bytes)?;
     let (output, source) = (args.output.display(), ptm.header.format);
     let (before, after) = (file.len(), converted.bytes.len());
@@ -94,7 +94,8 @@ fn repair_file(args: &ConvertArgs) -> CommandResult {
     if args.output.symlink_metadata().is_ok() {
         return Err(format!("{output} already exists; --repair never overwrites a file").into());
     }
-    let unrepaired = |why: String| CommandError::new(1, &files::with_path(&args.file)(why));
+    let unrepaired =
+        |why: ptm_files::Error| CommandError::new(1, &files::with_path(&args.file)(why));
     let repaired = repair(&files::read(&args.file)?).map_err(unrepaired)?;
     files::write_atomically(&args.output, &repaired.bytes)?;
     for change in &repaired.changes {

@@ -9,10 +9,11 @@ use clap::Args;
 use super::files::{check_writable, with_path, write_atomically};
 use super::output::{print, print_error};
 use super::terminal::print_styled;
+use crate::report::html::{self, Evidence};
 use crate::report::{Report, baseline::Baseline, document::BaselineComparison};
-use crate::report::{github, html, junit, reported::Reportable, suite_texts::SuiteTexts};
+use crate::report::{github, junit, suite_texts::SuiteTexts};
 use crate::session::run::Run;
-use ptm_suite::cases::Suite;
+use ptm_suite::{cases::Suite, test_case::TestCase};
 
 /// Options for other output formats and for lists of known failures.
 #[derive(Args)]
@@ -80,7 +81,7 @@ pub struct ReportWriter<'a> {
 
 impl<'a> ReportWriter<'a> {
     /// Creates a writer and reads the baseline, if one is given.
-    pub fn new<C: Reportable>(
+    pub fn new<C: TestCase>(
         suite: &Suite<C>,
         path: &'a Path,
         args: &'a OutputArgs,
@@ -108,11 +109,11 @@ impl<'a> ReportWriter<'a> {
     }
 
     /// Writes and prints the report on `run` in all requested formats. Returns the exit status.
-    pub fn finish<C: Reportable>(
+    pub fn finish<C: TestCase>(
         &self,
-        suite: &Suite<C>,
         run: &Run<C>,
         mut report: Report,
+        evidence: &Evidence,
     ) -> Result<u8, String> {
         self.write(&mut report)?;
         if let Some(why) = &run.ended_early {
@@ -126,7 +127,7 @@ impl<'a> ReportWriter<'a> {
         });
         print(&format!("report: {}\n", self.path.display()));
         if let Some(path) = &self.args.html {
-            write_atomically(path, html::page(suite, &self.texts, &report, run))?;
+            write_atomically(path, html::page(&self.texts, &report, evidence))?;
             print(&format!("page: {}\n", path.display()));
         }
         self.write_other_formats(&report)?;

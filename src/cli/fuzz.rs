@@ -15,10 +15,11 @@ use super::{arguments::positive_seconds, calls::CallArgs};
 use crate::fuzz::finding::Finding;
 use crate::fuzz::write::{cause_text, write};
 use crate::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
-use crate::runner::{run::Request, serve::Servers};
+use crate::runner::serve::Servers;
 use ptm::Format;
 use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::protocol::frame::ViewKind;
+use ptm_suite::protocol::request::Request;
 
 /// Template of a progress bar that counts calls.
 pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}";

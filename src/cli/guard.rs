@@ -87,10 +87,13 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
 pub fn check_for_trouble(decoder: &Decoder) -> Result<(), String> {
     match decoder.trouble() {
         None => Ok(()),
-        Some(trouble) => Err(format!(
-            "{trouble}. This is not the decoder's fault. The run ended without a verdict"
-        )),
+        Some(trouble) => Err(trouble_message(trouble)),
     }
+}
+
+/// Returns the message for a problem with this program that ended a run.
+pub fn trouble_message(trouble: &str) -> String {
+    format!("{trouble}. This is not the decoder's fault. The run ended without a verdict")
 }
 
 /// Installs handlers for two signals whose inherited dispositions cause problems. A process that ignores SIGCHLD cannot wait for

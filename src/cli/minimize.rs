@@ -11,11 +11,11 @@ use super::{CommandResult, calls::CallArgs, files, fuzz::CALLS_TEMPLATE};
 
 use crate::diagnose::equal_up_to_rounding;
 use crate::fuzz::reduce;
-use crate::runner::run::Request;
 use ptm::reading::Reading;
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Frame, View};
+use ptm_suite::protocol::request::Request;
 
 /// Reduce a file while a decoder still fails on it in the same way.
 ///

@@ -24,7 +24,7 @@ mod convert;
 mod coverage;
 mod diff;
 #[cfg(unix)]
-mod driver;
+mod display;
 #[cfg(not(unix))]
 mod elsewhere;
 #[cfg(unix)]
@@ -91,9 +91,37 @@ impl CommandError {
 }
 
 /// Creates an error with exit status 2 from a message about a usage error, or about a file that cannot be read or written.
+/// Errors of the crates are usage errors or errors of the installation.
+macro_rules! usage_errors {
+    ($($error:ty),* $(,)?) => {
+        $(impl From<$error> for CommandError {
+            fn from(error: $error) -> CommandError {
+                CommandError::new(2, &error.to_string())
+            }
+        })*
+    };
+}
+usage_errors![
+    ptm::ParseError,
+    ptm_generate::Error,
+    ptm_suite::Error,
+    ptm_files::Error
+];
+
 impl From<String> for CommandError {
     fn from(message: String) -> CommandError {
         CommandError::new(2, &message)
+    }
+}
+
+#[cfg(unix)]
+impl From<crate::pipeline::Error> for CommandError {
+    fn from(error: crate::pipeline::Error) -> CommandError {
+        match error {
+            crate::pipeline::Error::Trouble(trouble) => guard::trouble_message(&trouble),
+            other => other.to_string(),
+        }
+        .into()
     }
 }
 

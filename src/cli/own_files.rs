@@ -4,11 +4,12 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use crate::runner::run::{Decoder, Request};
+use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
 use crate::session::files::{FileResult, FilesReport, check_file};
 use ptm_suite::kit::yaml::to_yaml;
 use ptm_suite::protocol::frame::View;
+use ptm_suite::protocol::request::Request;
 
 use super::files::{read, with_path, write_atomically};
 use super::guard::check_for_trouble;

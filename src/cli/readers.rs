@@ -56,7 +56,7 @@ pub fn predict_readers(file: &[u8], readers: &[&ReaderProfile]) -> Vec<ReaderPre
             let (dissection, name) = (Dissection::parse(file), &profile.name);
             let says = "regenerate the file from its source; `lint` lists the errors";
             let ptm = dissection.outcome.as_ref().map_err(|_| says.to_owned());
-            let converted = ptm.and_then(|ptm| convert_for(&dissection, ptm, &[profile]));
+            let converted = ptm.and_then(|ptm| Ok(convert_for(&dissection, ptm, &[profile])?));
             let fix = converted.map(|(format, _)| {
                 format!("`ptm-conform convert --for {name}` writes this map as {format}")
             });

@@ -1,17 +1,23 @@
 //! `ptm-conform report`: displays, compares, merges and converts existing reports.
 
+use crate::writers::cases::load_writer_requests;
+use crate::writers::fitting::cases::load_fitter_requests;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
+use maud::Markup;
 
 use super::arguments::id_filter;
 use super::ending::{OutputArgs, ReportWriter};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
-use crate::report::{Report, badge, github, html, junit};
-use crate::report::{merge::RecordedAnswers, reported::Reportable, suite_texts::SuiteTexts};
-use crate::writers::{cases::WriterCase, fitting::cases::FitCase};
+use crate::pipeline::merge::RecordedAnswers;
+use crate::pipeline::{Checked, Explain, Observer};
+use crate::report::html::{self, Evidence};
+use crate::report::{Report, badge, github, junit, suite_texts::SuiteTexts};
+use crate::session::observation::Observation;
+use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::kit::escape_controls;
-use ptm_suite::{cases::Case, name::SuiteName, texture::cases::TextureCase};
+use ptm_suite::{name::SuiteName, test_case::TestCase};
 
 /// Show, compare, merge and convert reports of check.
 #[derive(Args)]
@@ -128,8 +134,10 @@ pub fn run(args: &ReportArgs) -> CommandResult {
         ReportCommand::Merge(args) => {
             // All parts of a run have the same suite, so the first part determines it.
             return match Report::read(&args.parts[0]).map(|report| report.suite) {
-                Ok(SuiteName::Texture) => merge::<TextureCase>(args),
-                _ => merge::<Case>(args),
+                Ok(SuiteName::Texture) => {
+                    merge(args, &Suite::load_texture()?, html::question_evidence)
+                }
+                _ => merge(args, &Suite::load()?, html::case_evidence),
             };
         }
         ReportCommand::Diff { old, new, cases } => {
@@ -141,10 +149,10 @@ pub fn run(args: &ReportArgs) -> CommandResult {
     let reports = reports.iter().map(|file| Report::read(file));
     let reports: Vec<Report> = reports.collect::<Result<_, _>>()?;
     let texts = match reports[0].suite {
-        SuiteName::Ptm => SuiteTexts::new(&Case::suite()?)?,
-        SuiteName::Texture => SuiteTexts::new(&TextureCase::suite()?)?,
-        SuiteName::Writers => SuiteTexts::new(&WriterCase::suite()?)?,
-        SuiteName::Fitters => SuiteTexts::new(&FitCase::suite()?)?,
+        SuiteName::Ptm => SuiteTexts::new(&Suite::load()?)?,
+        SuiteName::Texture => SuiteTexts::new(&Suite::load_texture()?)?,
+        SuiteName::Writers => SuiteTexts::new(&load_writer_requests()?)?,
+        SuiteName::Fitters => SuiteTexts::new(&load_fitter_requests(None))?,
     };
     convert(&args.command, &reports, &texts)
 }
@@ -180,13 +188,27 @@ fn convert(command: &ReportCommand, reports: &[Report], texts: &SuiteTexts) -> C
     }
 }
 
-fn merge<C: Reportable>(args: &MergeArgs) -> CommandResult {
-    let suite = C::suite()?;
-    let writer = ReportWriter::new(&suite, &args.report, &args.outputs)?;
-    let answers = RecordedAnswers::read(&suite, &args.parts)?;
+/// Merges the parts of a run. `render` renders the evidence for a case.
+fn merge<C: Explain>(
+    args: &MergeArgs,
+    suite: &Suite<C>,
+    render: fn(&C, TableSpelling, &Observation<C>) -> Markup,
+) -> CommandResult {
+    let writer = ReportWriter::new(suite, &args.report, &args.outputs)?;
+    let answers = RecordedAnswers::read(suite, &args.parts)?;
     let jobs = super::output::jobs(None)?;
-    let (run, report) = super::output::with_progress(|progress| {
-        answers.merge(&suite, jobs, &|_, _, done, all| progress(done, all))
+    let Checked { run, report, .. } = super::output::with_progress(|progress| {
+        answers.merge(suite, jobs, &MergeProgress(progress))
     })?;
-    Ok(writer.finish(&suite, &run, report)?)
+    let evidence = Evidence::new(suite, &run, render);
+    Ok(writer.finish(&run, report, &evidence)?)
+}
+
+/// Shows the number of replayed cases.
+struct MergeProgress<'a>(&'a (dyn Fn(usize, usize) + Sync));
+
+impl<C: TestCase> Observer<C> for MergeProgress<'_> {
+    fn case_finished(&self, _: &C, _: &Observation<C>, done: usize, total: usize) {
+        (self.0)(done, total);
+    }
 }

@@ -1,5 +1,5 @@
-//! Subject of a check: a decoder, this program, a program called through a template, precomputed answers, or functions of the
-//! parent process.
+//! The decoder that the command line of `check` names: a program, this program, a program called through a template, precomputed
+//! answers, or functions of the parent process.
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -8,21 +8,23 @@ use std::sync::atomic::AtomicBool;
 
 use crate::report::words::CALLER_COMMAND;
 use crate::runner::caller::Caller;
-use crate::runner::run::{Decoder, Reply, Request};
+use crate::runner::run::Decoder;
+use crate::runner::scratch::Scratch;
 use crate::runner::template::Template;
 use crate::session::outputs::Outputs;
 use ptm_suite::cases::{Case, Expect, Suite};
-use ptm_suite::protocol::frame::{Answer, ViewKind};
+use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::protocol::frame::ViewKind;
 
 use super::{check_args::CheckArgs, files::with_path};
 
-/// Subject of a check and the part of the suite that applies to it.
-pub struct Subject {
+/// A decoder and the part of the suite that applies to it.
+pub struct NamedDecoder {
     /// Source of answers.
     pub answers: Answers,
     /// Command line for the report.
     pub words: Vec<String>,
-    /// Requested views; empty for all views that the subject supports.
+    /// Requested views; empty for all views that the decoder supports.
     pub views: Vec<String>,
     /// Reasons why cases are not requested, one entry per case; empty if all cases are requested.
     pub withheld: Vec<Option<String>>,
@@ -38,7 +40,7 @@ pub enum Answers {
     Caller(Caller),
 }
 
-impl Subject {
+impl NamedDecoder {
     /// Returns the program, if there is one.
     pub fn program(&self) -> Option<&Decoder> {
         match &self.answers {
@@ -47,23 +49,25 @@ impl Subject {
         }
     }
 
-    /// Treats a crash on an optional table spelling as a refusal if the subject's crashes and refusals cannot be distinguished.
-    pub fn interpret_reply(&self, suite: &Suite, request: &Request, mut reply: Reply) -> Reply {
-        let is_spelling = |case: &Case| case.expect == Expect::Spelling;
-        if !self.withheld.is_empty()
-            && matches!(reply.answer, Answer::Crashed(_))
-            && suite.case(request.name).is_some_and(is_spelling)
-        {
-            reply.answer = Answer::Rejected;
-        }
-        reply
+    /// Queries the capabilities of a program. Most programs declare none.
+    pub fn query_capabilities(&mut self, args: &CheckArgs, scratch: &Scratch) -> Capabilities {
+        let Answers::Program(decoder) = &mut self.answers else {
+            return Capabilities::default();
+        };
+        let capabilities = decoder.capabilities(scratch).unwrap_or_default();
+        decoder.reject_exit = args.reject_exit.or(capabilities.reject_exit);
+        capabilities
     }
 
-    /// Creates the subject and applies the limits that the command line specifies.
-    pub fn new(args: &CheckArgs, suite: &Suite, stop: &Arc<AtomicBool>) -> Result<Subject, String> {
+    /// Creates the decoder and applies the limits that the command line specifies.
+    pub fn new(
+        args: &CheckArgs,
+        suite: &Suite,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<NamedDecoder, String> {
         let is_requested = |view: &String| args.views.contains(view);
         let views = ViewKind::NAMES.map(str::to_owned).into_iter();
-        let subject = |answers: Answers, words: Vec<String>| Subject {
+        let named = |answers: Answers, words: Vec<String>| NamedDecoder {
             answers,
             words,
             views: views.clone().filter(is_requested).collect(),
@@ -72,16 +76,16 @@ impl Subject {
         if let Some(socket) = &args.caller {
             let caller = Caller::connect(socket, stop).map_err(with_path(socket))?;
             let words = vec![CALLER_COMMAND.to_owned()];
-            return Ok(subject(Answers::Caller(caller), words));
+            return Ok(named(Answers::Caller(caller), words));
         }
         if let Some(directory) = &args.outputs {
             let outputs = open_outputs(directory, suite)?;
             let directory = directory.to_string_lossy().into_owned();
             let words = vec!["--outputs".to_owned(), directory];
-            return Ok(Subject {
+            return Ok(NamedDecoder {
                 views: vec![outputs.view.to_owned()],
                 withheld: outputs.withheld(suite),
-                ..subject(Answers::Precomputed(outputs), words)
+                ..named(Answers::Precomputed(outputs), words)
             });
         }
         let (mut decoder, words) = match &args.cmd {
@@ -89,11 +93,11 @@ impl Subject {
             None => decoder_for_command(&args.decoder)?,
         };
         args.run.calls.apply_limits(&mut decoder, stop)?;
-        let mut subject = subject(Answers::Program(decoder), words);
+        let mut program = named(Answers::Program(decoder), words);
         if let Some(text) = &args.cmd {
-            subject.restrict_to(text, args, suite)?;
+            program.restrict_to(text, args, suite)?;
         }
-        Ok(subject)
+        Ok(program)
     }
 
     /// Selects the only view of a template without `{view}`. If refusals cannot be recognized, withholds cases that allow them.

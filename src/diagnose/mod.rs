@@ -164,10 +164,11 @@ fn describe(search: &Search, mut found: Vec<search::Member>) -> Vec<Diagnosis> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runner::run::{Reply, Request};
-    use crate::session::{plan::RunPlan, run::check};
+    use crate::pipeline::judge_answers;
+    use crate::session::plan::RunPlan;
     use ptm::reading::Reading;
     use ptm_suite::protocol::frame::{Answer, Samples};
+    use ptm_suite::protocol::request::{Reply, Request};
 
     #[test]
     fn panic_in_the_source_of_candidates_loses_no_failure() {
@@ -184,7 +185,7 @@ mod tests {
             }
             Reply::from(answer)
         };
-        let run = check(&suite, &RunPlan::new(&suite, 1), &ask, &|_, _, _, _| ());
+        let run = judge_answers(&suite, &RunPlan::new(&suite, 1), &ask);
         let witnesses = witnesses(&suite, &run, None, 1);
         let catalog: Vec<&Misreading> = ptm_mistakes::all().collect();
         let mut search = Search::new(&witnesses, &catalog, &[], 1, &run);

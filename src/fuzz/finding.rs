@@ -8,7 +8,6 @@ use arbitrary::Unstructured;
 use super::{draft::Draft, generator::random_bytes, minimize::minimize};
 use crate::diagnose::equal_up_to_rounding;
 use crate::report::document::LikelyCause;
-use crate::runner::run::{AttemptKind, Request};
 use crate::session::asking::DecoderFn;
 use crate::session::observation::{Observation, Response};
 use crate::session::offer::Offer;
@@ -17,6 +16,7 @@ use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Built, Case, Expect, TableSpelling};
 use ptm_suite::compare::Expected;
 use ptm_suite::protocol::frame::{Answer, Frame, TimeLimit, View};
+use ptm_suite::protocol::request::{AttemptKind, Request};
 
 /// Maximum number of passing files against which a suspected misreading is tested.
 pub(super) const MAX_WITNESSES: usize = 200;

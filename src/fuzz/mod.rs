@@ -17,17 +17,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::diagnose::{diagnose, dialect_reading};
+use crate::pipeline::judge_answers;
 use crate::report::{document::LikelyCause, make::likely_causes};
-use crate::runner::run::Request;
 use crate::session::plan::{Repeat, RunPlan};
-use crate::session::run::{Run, check};
-use crate::session::{asking::DecoderFn, outcome::Outcome};
+use crate::session::{asking::DecoderFn, outcome::Outcome, run::Run};
 use draft::Draft;
 use finding::{Explanation, Finding, KnownDecoder, MAX_WITNESSES};
 use generator::DraftGenerator;
 use ptm::Format;
 use ptm_suite::cases::{Case, Expect, Suite};
 use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::protocol::request::Request;
 
 /// Number of files that are generated and judged together.
 const BATCH_SIZE: usize = 500;
@@ -127,7 +127,7 @@ fn run(suite: &Suite, plan: &FuzzPlan, ask: &DecoderFn) -> Run {
         stop: Arc::clone(&plan.stop),
         ..RunPlan::new(suite, plan.jobs).with_capabilities(&plan.declared)
     };
-    check(suite, &plan, &ask, &|_, _, _, _| ())
+    judge_answers(suite, &plan, &ask)
 }
 
 /// Returns the cases at the beginning of every batch: the `first` cases, and the cases that spell the table count differently.

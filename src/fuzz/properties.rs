@@ -11,8 +11,8 @@ use arbitrary::{Result, Unstructured};
 
 use crate::diagnose::diagnose;
 use crate::fuzz::draft::Draft;
-use crate::runner::run::{Reply, Request};
-use crate::session::{plan::RunPlan, run::check};
+use crate::pipeline::judge_answers;
+use crate::session::plan::RunPlan;
 use ptm::codec::{jpeg, jpeg_ls};
 use ptm::decode::lookup_table::read_newline_separator;
 use ptm::decode::{decode, decode_as, fields};
@@ -24,6 +24,7 @@ use ptm_generate::{plan::Residuals, spelling::Lists};
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::dialect::{Choice, Dialect};
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, TimeLimit, View};
+use ptm_suite::protocol::request::{Reply, Request};
 use ptm_suite::{choices::CHOICES, compare::Expected};
 
 /// Maximum number of texels in a generated file. A fuzz target can process thousands of small files per second.
@@ -254,7 +255,7 @@ pub fn frame(bytes: &[u8]) {
             let read = Frame::read(&written);
             assert_eq!(read.as_ref().map(Frame::shape), Ok(frame.shape()));
         }
-        Err(error) => assert!(!error.is_empty()),
+        Err(error) => assert!(!error.to_string().is_empty()),
     }
 }
 
@@ -269,7 +270,7 @@ pub fn case_file(bytes: &[u8]) {
     if let (Ok(text), false) = (std::str::from_utf8(bytes), is_long)
         && let Err(error) = Suite::from_files(&[("case.yaml", text)])
     {
-        assert!(error.starts_with("case.yaml"), "{error}");
+        assert!(error.to_string().starts_with("case.yaml"), "{error}");
     }
 }
 
@@ -314,7 +315,7 @@ pub fn diagnosis(bytes: &[u8]) {
         let choice = script.get(sum % script.len().max(1)).copied();
         Reply::from(wrong_answer(choice.unwrap_or_default(), right, request))
     };
-    let run = check(&SUITE, &RunPlan::new(&SUITE, 1), &ask, &|_, _, _, _| ());
+    let run = judge_answers(&SUITE, &RunPlan::new(&SUITE, 1), &ask);
     let mut explained = HashSet::new();
     let causes = diagnose(&SUITE, &run, &[], 1);
     assert!(causes.faults.is_empty(), "{:?}", causes.faults);

@@ -38,10 +38,11 @@ impl Baseline {
     /// # Errors
     /// Returns a message that names the file and the line if the file is malformed or contains an unknown or duplicate id.
     pub fn read(path: &Path, texts: &SuiteTexts) -> Result<Baseline, String> {
-        let in_file = |error: String| format!("{}: {error}", path.display());
+        let in_file = |error: ptm_suite::Error| error.in_place(path.display());
         let mut listed = BTreeMap::new();
         for (number, KnownFailure { id, reason }) in records(&read_text(path)?).map_err(in_file)? {
-            let fault = |error: String| Err(in_file(format!("line {number}: {error}")));
+            let fault =
+                |error: String| Err(in_file(format!("line {number}: {error}").into()).into());
             if texts.purpose(&id).is_none() {
                 return fault(format!("unknown case {id:?}"));
             }

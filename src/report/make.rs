@@ -8,19 +8,19 @@ use crate::report::document::{
     CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, Tool,
 };
 use crate::report::leniency::{leniency, passing_case_ids};
-use crate::report::reported::Reportable;
 use crate::session::dialect::Certainty;
 use crate::session::observation::Response;
 use crate::session::{outcome::Outcome, remark::Remark, run::Run};
 use ptm_mistakes::Misreading;
+use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::compare::{FlatBlocks, LOSSY_TOLERANCE};
+use ptm_suite::name::SuiteName;
 use ptm_suite::test_case::{Allowance, TestCase};
-use ptm_suite::{cases::Suite, name::SuiteName};
 
 impl Report {
     /// Creates the report on `run`, without causes. Directories are removed from `command`.
     #[must_use]
-    pub fn new<C: Reportable>(
+    pub fn new<C: TestCase>(
         suite: &Suite<C>,
         run: &Run<C>,
         command: &[String],
@@ -102,8 +102,8 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
 }
 
 /// Returns the decoder's reading of each settled choice, with the cases that demonstrate the reading.
-fn followed_readings<C: Reportable>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
-    let mut readings = C::readings_of_files(suite, run);
+fn followed_readings<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
+    let mut readings = table_readings(suite, run);
     for (axis, choice) in C::CHOICES.iter().enumerate() {
         if run.judgment.certainties[axis] != Certainty::Settled {
             continue;
@@ -122,6 +122,35 @@ fn followed_readings<C: Reportable>(suite: &Suite<C>, run: &Run<C>) -> Vec<Follo
         });
     }
     readings
+}
+
+/// Returns the table spelling that the decoder reads, if it decodes tables. The spelling determines only which files are sent to
+/// the decoder, not which answers are correct.
+fn table_readings<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
+    let decoded = &run.judgment.decoded;
+    let mut cases = suite.cases.iter();
+    if !cases.any(|case| case.has_table() && decoded.contains(&case.kind())) {
+        return Vec::new();
+    }
+    let newline = if run.table.newline {
+        "one line feed"
+    } else {
+        "nothing"
+    };
+    let readings = [
+        ("lut-count", run.table.count.name()),
+        ("lut-newline", newline),
+    ];
+    readings
+        .map(|(ruling, reading)| FollowedReading {
+            ruling: ruling.to_owned(),
+            reading: reading.to_owned(),
+            shown_by: passing_case_ids(suite, run, |i| {
+                let case = &suite.cases[i];
+                case.expect() == Expect::Spelling && case.ruling() == Some(ruling)
+            }),
+        })
+        .into()
 }
 
 /// Returns everything for which the decoder always exits with status 69: features, and views of individual kinds of cases.

@@ -4,7 +4,6 @@
 
 pub mod badge;
 pub mod baseline;
-pub mod conclude;
 mod diff;
 pub mod document;
 pub mod github;
@@ -12,8 +11,6 @@ pub mod html;
 pub mod junit;
 mod leniency;
 pub(crate) mod make;
-pub mod merge;
-pub mod reported;
 pub mod shards;
 pub mod suite_texts;
 pub mod text;

@@ -18,13 +18,13 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::runner::run::{AttemptKind, Request};
 use crate::session::asking::ReplyTo;
 use crate::session::observation::{Observation, Response};
 use crate::session::{plan::RunPlan, remark::Remark};
 use ptm_suite::dialect::RightDialects;
 use ptm_suite::kit::digest::sha256;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{AttemptKind, Request};
 use ptm_suite::test_case::{Allowance, TestCase};
 
 /// A part of the suite, written as `3/8` for the third of eight parts.
@@ -166,7 +166,7 @@ fn is_usual(attempt: &AttemptKind) -> bool {
 /// Line of an answer file.
 #[derive(Deserialize)]
 #[serde(untagged, bound = "T: DeserializeOwned")]
-pub(super) enum AnswerRecord<T> {
+pub(crate) enum AnswerRecord<T> {
     Answer(Box<RecordedAnswer<T>>),
     Trailer(Box<Trailer>),
 }
@@ -180,7 +180,7 @@ pub fn answers_path(report: &Path) -> PathBuf {
 }
 
 /// Returns the first 16 hexadecimal digits of the digest of a file.
-pub(super) fn digest(file: &[u8]) -> String {
+pub(crate) fn digest(file: &[u8]) -> String {
     sha256(file)[..16].to_owned()
 }
 
@@ -257,15 +257,18 @@ impl<C: TestCase> AnswerRecorder<C> {
     ///
     /// # Errors
     /// Returns the first I/O error.
-    pub fn finish(self, end: &Trailer) -> io::Result<()> {
-        let mut state = self.0.into_inner().expect("no worker panics");
+    pub fn finish(&self, end: &Trailer) -> io::Result<()> {
+        let mut state = self.0.lock().expect("no worker panics");
         let mut waiting: Vec<_> = state.waiting.drain().collect();
         waiting.sort_by(|(a, _), (b, _)| a.cmp(b));
         for (_, record) in waiting {
             state.write(&record);
         }
         state.write(end);
-        state.write_error.map_or_else(|| state.out.flush(), Err)
+        match state.write_error.take() {
+            Some(error) => Err(error),
+            None => state.out.flush(),
+        }
     }
 }
 

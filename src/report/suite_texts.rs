@@ -1,8 +1,8 @@
 //! Texts of a suite that reports show. With them, the same code renders reports on any suite.
 
-use crate::report::reported::Reportable;
 use ptm_suite::cases::Suite;
 use ptm_suite::clauses::{Clause, Ruling};
+use ptm_suite::test_case::TestCase;
 
 /// Texts of a suite.
 pub struct SuiteTexts {
@@ -21,13 +21,13 @@ impl SuiteTexts {
     ///
     /// # Errors
     /// Returns a message that names the file and the error.
-    pub fn new<C: Reportable>(suite: &Suite<C>) -> Result<SuiteTexts, String> {
+    pub fn new<C: TestCase>(suite: &Suite<C>) -> Result<SuiteTexts, String> {
         let purpose = |case: &C| (case.id().to_owned(), case.because());
         let choices = C::CHOICES.iter();
         Ok(SuiteTexts {
             cases: suite.cases.iter().map(purpose).collect(),
-            clauses: (C::CLAUSES)()?,
-            rulings: (C::RULINGS)()?,
+            clauses: C::SUITE.clauses()?,
+            rulings: C::SUITE.rulings()?,
             reference_readings: choices.map(|one| (one.ruling, one.readings[0].0)).collect(),
         })
     }

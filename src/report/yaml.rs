@@ -21,7 +21,7 @@ impl Report {
     /// # Errors
     /// Returns an error if serialization fails, which should never happen.
     pub fn to_yaml(&self) -> Result<String, String> {
-        to_yaml(self)
+        Ok(to_yaml(self)?)
     }
 
     /// Reads a report that `check` wrote to `path`.
@@ -30,10 +30,11 @@ impl Report {
     /// Returns a message with the file and, if known, the line. Rejects short reports (`--short`) and other schema versions.
     pub fn read(path: &Path) -> Result<Report, String> {
         let text = read_text(path)?;
-        let in_file = |error: String| format!("{}: {error}", path.display());
+        let in_file = |error: ptm_suite::Error| error.in_place(path.display());
         let list = "\nthe file is a list, like FILE.partial; a report is a mapping that begins with schema:";
         let hint = if text.starts_with("- ") { list } else { "" };
-        let form = from_yaml::<SchemaVersion>(&text).map_err(|error| in_file(error + hint))?;
+        let form =
+            from_yaml::<SchemaVersion>(&text).map_err(|error| in_file(error).to_string() + hint)?;
         let error = match form.schema {
             Some(SCHEMA) => match from_yaml::<Report>(&text).map_err(in_file)? {
                 report if report.results_digest.is_none() => return Ok(report),
@@ -47,6 +48,6 @@ impl Report {
                 "line 1: not a report with schema {SCHEMA}; if an older version wrote the file, run check again"
             ),
         };
-        Err(in_file(error))
+        Err(in_file(error.into()).into())
     }
 }

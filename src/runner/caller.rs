@@ -15,7 +15,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
-use crate::runner::run::{Reply, Request};
+use ptm_suite::protocol::request::{Reply, Request};
 use ptm_suite::protocol::{forms, frame::Answer};
 
 /// Maximum length of the first line of an answer, in bytes.
@@ -85,8 +85,10 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
         "ok" if length > max_bytes => {
             Answer::Flooded(format!("{length} bytes exceed the limit of {max_bytes}"))
         }
-        "ok" => forms::read(&bytes, request.view, request.max_answer_bytes())
-            .map_or_else(Answer::ProtocolError, Answer::Decoded),
+        "ok" => forms::read(&bytes, request.view, request.max_answer_bytes()).map_or_else(
+            |error| Answer::ProtocolError(error.to_string()),
+            Answer::Decoded,
+        ),
         "reject" => Answer::Rejected,
         "unsupported" => Answer::Unsupported,
         "crash" => Answer::Crashed(message()),
@@ -119,8 +121,8 @@ fn read_first_line(stream: &mut BufReader<UnixStream>) -> io::Result<(String, u6
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runner::run::AttemptKind;
     use ptm_suite::protocol::frame::Samples;
+    use ptm_suite::protocol::request::AttemptKind;
 
     /// Returns the reply to a request for a map of one texel, answered with `answer`, and whether the run was stopped.
     fn reply_to(answer: &[u8]) -> (Reply, bool) {

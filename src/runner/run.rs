@@ -17,9 +17,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-use rustix::process::Signal;
-use serde::{Deserialize, Serialize};
-
 use crate::runner::call::{Call, CallEnd, CallLimits, CallOutput};
 use crate::runner::processes;
 use crate::runner::scratch::{Scratch, is_unchanged};
@@ -29,9 +26,9 @@ use crate::runner::trouble::{Trouble, is_shortage};
 use ptm_suite::kit::escape_controls;
 use ptm_suite::protocol::capabilities::Capabilities;
 use ptm_suite::protocol::forms;
-use ptm_suite::protocol::frame::{
-    Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, ProcessEnd, TimeLimit, View,
-};
+use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, ProcessEnd, TimeLimit};
+use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
+use rustix::process::Signal;
 
 /// Maximum time for repeating a call that fails because of a problem in this program. After that, the run stops.
 const MAX_RETRY_TIME: Duration = Duration::from_secs(5);
@@ -56,106 +53,6 @@ pub struct Decoder {
     /// Locale of the decoder, `C` by default.
     pub locale: String,
     trouble: Arc<OnceLock<String>>,
-}
-
-/// A request for a view of a file.
-#[derive(Clone, Debug)]
-pub struct Request<'a, V = View> {
-    /// Name of the file, without its extension.
-    pub name: &'a str,
-    /// Requested view.
-    pub view: &'a V,
-    /// Contents of the file.
-    pub file: &'a [u8],
-    /// Maximum size of a frame of the file, in bytes.
-    pub max_frame_bytes: usize,
-    /// The kind of attempt, which determines the process and the time limit.
-    pub attempt: AttemptKind,
-}
-
-/// A kind of attempt to get an answer.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum AttemptKind {
-    /// The usual attempt: in serve mode, in the process that answered the previous request.
-    #[default]
-    Usual,
-    /// A repetition whose answer is compared with the first one: in one-shot mode, even if the decoder serves.
-    Repetition,
-    /// An attempt with a higher time limit while no other request is in progress: in a new process, also in serve mode.
-    Alone,
-}
-
-/// Factor by which the time limit of [`AttemptKind::Alone`] is higher.
-pub const ALONE_FACTOR: u32 = 3;
-
-impl AttemptKind {
-    /// Returns the time limit of this attempt. `timeout` is the usual time limit.
-    #[must_use]
-    pub const fn time_limit(self, timeout: Duration) -> TimeLimit {
-        TimeLimit(match self {
-            AttemptKind::Usual | AttemptKind::Repetition => timeout,
-            AttemptKind::Alone => timeout.saturating_mul(ALONE_FACTOR),
-        })
-    }
-}
-
-impl<'a, V> Request<'a, V> {
-    /// Creates a request that is sent while no other request is in progress, so its time limit is higher than usual.
-    #[must_use]
-    pub const fn new(name: &'a str, view: &'a V, file: &'a [u8], max_frame_bytes: usize) -> Self {
-        Request {
-            name,
-            view,
-            file,
-            max_frame_bytes,
-            attempt: AttemptKind::Alone,
-        }
-    }
-
-    /// Returns the maximum number of bytes to read from an answer.
-    pub(crate) fn max_answer_bytes(&self) -> usize {
-        4 * self.max_frame_bytes + 65_536
-    }
-}
-
-/// Response to a request.
-#[derive(Clone, Debug)]
-pub struct Reply<T = Frame> {
-    /// Answer of the decoder.
-    pub answer: Answer<T>,
-    /// Start of standard error.
-    pub stderr: String,
-    /// Exit status, if the process exited.
-    pub exit: Option<i32>,
-    /// Name of the previous request to the same process.
-    pub previous_request: Option<String>,
-    /// Failed answer of the serving process. If it is present, `answer` is the answer of a new process.
-    pub serve_mode_answer: Option<Answer<T>>,
-    /// Standard output, up to the read limit.
-    pub stdout: Vec<u8>,
-}
-
-impl<T> From<Answer<T>> for Reply<T> {
-    /// Creates a reply that contains only an answer.
-    fn from(answer: Answer<T>) -> Reply<T> {
-        Reply {
-            answer,
-            stderr: String::new(),
-            exit: None,
-            previous_request: None,
-            serve_mode_answer: None,
-            stdout: Vec::new(),
-        }
-    }
-}
-
-impl<T> Reply<T> {
-    /// Returns true if the reply is a refusal with an exit status that has other meanings as well.
-    pub(crate) fn is_ambiguous_refusal(&self) -> bool {
-        matches!(self.answer, Answer::Rejected)
-            && self.exit.is_some_and(|exit| exit != EXIT_MALFORMED)
-    }
 }
 
 /// Result of a call.
@@ -284,7 +181,7 @@ impl Decoder {
     pub fn ask(&self, request: &Request, scratch: &Scratch) -> Reply {
         let max_bytes = request.max_answer_bytes();
         let result = self.invoke(request, "case.ptm", max_bytes, scratch);
-        result.into_reply(|bytes| forms::read(bytes, request.view, max_bytes))
+        result.into_reply(|bytes| Ok(forms::read(bytes, request.view, max_bytes)?))
     }
 
     /// Runs the decoder in a new process. The input file is called `file_name`, and the output is limited to `max_bytes` bytes.
@@ -427,7 +324,9 @@ impl Decoder {
             let time = AttemptKind::Alone.time_limit(self.timeout);
             self.run_command(&words, max_bytes, time, &workspace.work_dir)
         });
-        Capabilities::read(&result.output.map_err(|answer| answer.describe())?)
+        Ok(Capabilities::read(
+            &result.output.map_err(|answer| answer.describe())?,
+        )?)
     }
 
     pub(crate) fn out_of_memory_answer(&self) -> Answer {

@@ -23,13 +23,13 @@ use std::time::{Duration, Instant};
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::processes;
 use crate::runner::run::{
-    AttemptKind, CallFailure, Decoder, INPUT_CHANGED_MESSAGE, Reply, Request, STOPPED_MESSAGE,
-    describe_exit,
+    CallFailure, Decoder, INPUT_CHANGED_MESSAGE, STOPPED_MESSAGE, describe_exit,
 };
 use crate::runner::scratch::{Scratch, Workspace, is_unchanged};
 use crate::runner::trouble::Trouble;
 use ptm_suite::kit::escape_controls;
 use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit};
+use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 
 /// The reason why the serving process did not answer a request.
 enum NotServed {

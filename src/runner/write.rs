@@ -6,10 +6,11 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use crate::runner::run::{AttemptKind, CallFailure, CallResult, Decoder, INPUT_CHANGED_MESSAGE};
+use crate::runner::run::{CallFailure, CallResult, Decoder, INPUT_CHANGED_MESSAGE};
 use crate::runner::scratch::{Scratch, is_unchanged};
 use crate::runner::template::Template;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::AttemptKind;
 
 /// A file that a request refers to.
 #[derive(Clone, Debug)]

@@ -3,13 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Mutex;
 
-use crate::runner::run::AttemptKind;
 use crate::session::asking::{CountCallback, Session, previous_request_text};
 use crate::session::judge::Judgment;
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::outcome::Outcome;
 use crate::session::plan::{Repeat, SAMPLE_INTERVAL};
 use ptm_suite::cases::{Expect, TableSpelling};
+use ptm_suite::protocol::request::AttemptKind;
 use ptm_suite::test_case::TestCase;
 
 /// Maximum number of failures of each kind that are initially repeated.

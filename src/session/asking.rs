@@ -6,13 +6,13 @@ use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use crate::runner::run::{AttemptKind, Reply, Request};
 use crate::session::observation::{Nondeterminism, Observation, Response};
 use crate::session::plan::{Repeat, RunPlan};
 use crate::session::tally::Tally;
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::kit::parallel::run_on_threads;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 use ptm_suite::{dialect::RightDialects, test_case::TestCase};
 
 /// A reply to a request for a case.

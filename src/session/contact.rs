@@ -3,12 +3,12 @@
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 
-use crate::runner::run::{AttemptKind, Reply};
 use crate::session::asking::{ReplyTo, Session, is_timeout, serve_mode_failure};
 use crate::session::observation::Response;
 use crate::session::{offer::Offer, plan::Repeat, remark::Remark, tally::TimeoutWatch};
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Frame, View};
+use ptm_suite::protocol::request::{AttemptKind, Reply};
 use ptm_suite::{compare::Expected, dialect::RightDialects, test_case::TestCase};
 
 /// A first file that was requested in one view, and the reply of the decoder.

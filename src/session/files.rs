@@ -7,7 +7,6 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::runner::run::{Reply, Request};
 use crate::session::outcome::Outcome;
 use ptm::decode::{decode_as, fields};
 use ptm::error::Class;
@@ -15,6 +14,7 @@ use ptm::reading::Reading;
 use ptm::{Coding, Format, Limits, Ptm, Shape};
 use ptm_generate::{Model, Numbers, Recipe, Spelling, spelling::Line, write};
 use ptm_suite::protocol::frame::{Answer, View};
+use ptm_suite::protocol::request::{Reply, Request};
 use ptm_suite::{choices::CHOICES, compare::Expected, dialect::Dialect, values::Values};
 
 /// Results for a directory of files.

@@ -3,7 +3,6 @@
 
 use std::collections::BTreeSet;
 
-use crate::runner::run::Request;
 use crate::session::{asking::DecoderFn, offer::Offer};
 use ptm::decode::decode;
 use ptm::evaluate::{Coefficients, polynomial};
@@ -11,6 +10,7 @@ use ptm::{Coding, Format, Ptm, Shape, Size};
 use ptm_generate::{Model, Recipe, plan::Residuals, spelling::Count, write};
 use ptm_suite::features::Feature;
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
+use ptm_suite::protocol::request::Request;
 
 /// Width and height in texels.
 pub const SIDE: u32 = 64;
@@ -183,9 +183,9 @@ fn texel(x: f64, y: f64) -> [f64; 9] {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::runner::run::Reply;
     use ptm::Reading;
     use ptm_mistakes::answer;
+    use ptm_suite::protocol::request::Reply;
 
     fn scene(view: ViewKind, format: Format, decoder: &DecoderFn) -> Option<LitScene> {
         let offer = Offer {

@@ -4,11 +4,12 @@
 
 use std::process::{Command, Stdio};
 
-use crate::runner::run::{Decoder, Request};
+use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
 use crate::session::{contact::FirstFile, run::Run};
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::{Answer, View, ViewKind};
+use ptm_suite::protocol::request::Request;
 
 /// Languages and territories whose locales have a decimal comma.
 const COMMA_LANGUAGES: [&str; 12] = [

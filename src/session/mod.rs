@@ -1,7 +1,6 @@
-//! A run, from first contact to the verdicts.
+//! The stages of a run, from first contact to the verdicts. [`pipeline::check`](crate::pipeline::check) calls them in order.
 //!
-//! Start with [`run::check`], which calls all stages in order. All requests, for PTM files or texture questions, are
-//! [`TestCase`](ptm_suite::test_case::TestCase)s.
+//! All requests, for PTM files or texture questions, are [`TestCase`](ptm_suite::test_case::TestCase)s.
 
 mod again;
 pub mod asking;
@@ -14,8 +13,6 @@ pub mod lit_scene;
 pub mod locale;
 pub mod observation;
 pub mod offer;
-#[cfg(test)]
-mod other_transforms;
 pub mod outcome;
 pub mod outputs;
 pub mod plan;
@@ -25,6 +22,4 @@ pub mod run;
 pub mod scores;
 mod tally;
 pub mod texture_stage;
-#[cfg(test)]
-mod texture_unit;
 pub mod transform;

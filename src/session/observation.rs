@@ -1,9 +1,9 @@
 //! The result of one request.
 
-use crate::runner::run::AttemptKind;
 use ptm_suite::cases::{Case, Expect};
 use ptm_suite::dialect::RightDialects;
 use ptm_suite::protocol::frame::{Answer, TimeLimit};
+use ptm_suite::protocol::request::AttemptKind;
 use ptm_suite::test_case::{Allowance, TestCase};
 
 /// The result of one request.

@@ -10,13 +10,13 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
-use crate::runner::run::{Reply, Request};
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::corpus::write_file;
 use ptm_suite::kit::digest::sha256;
 use ptm_suite::kit::yaml::{from_yaml, read_text, to_yaml};
 use ptm_suite::protocol::forms;
 use ptm_suite::protocol::frame::{Answer, View, ViewKind};
+use ptm_suite::protocol::request::{Reply, Request};
 
 /// File name of the request list for programs.
 const LIST_NAME: &str = "requests.yaml";
@@ -123,9 +123,9 @@ impl Outputs {
         matches: impl Fn(&str, &str) -> Result<bool, String>,
     ) -> Result<Outputs, String> {
         let path = directory.join(LIST_NAME);
-        let in_file = |error: String| format!("{}: {error}", path.display());
+        let in_file = |error: ptm_suite::Error| error.in_place(path.display());
         let list: Vec<ListedRequest> = from_yaml(&read_text(&path)?).map_err(in_file)?;
-        let view = view_of(&list, suite).map_err(in_file)?;
+        let view = view_of(&list, suite).map_err(|error| in_file(error.into()))?;
         let directory = directory.join(ANSWERS_DIR);
         let failed = |error| format!("{}: {error}", directory.display());
         let (mut given, unmatched) = answers(&directory, &list).map_err(failed)?;
@@ -162,7 +162,7 @@ impl Outputs {
             Some(Ok(path)) => {
                 let limit = request.max_answer_bytes();
                 let bytes = read(path, limit);
-                let frame = bytes.and_then(|bytes| forms::read(&bytes, request.view, limit));
+                let frame = bytes.and_then(|bytes| Ok(forms::read(&bytes, request.view, limit)?));
                 frame.map_or_else(Answer::ProtocolError, Answer::Decoded)
             }
         };

@@ -32,7 +32,7 @@ pub struct RunPlan {
     pub withheld: Vec<Option<String>>,
     /// True if the answers were produced before the run. If so, there are no first files, and tables have the default spelling.
     pub precomputed: bool,
-    /// Number of requests so far that exceeded the higher time limit of [`AttemptKind::Alone`](crate::runner::run::AttemptKind::Alone).
+    /// Number of requests so far that exceeded the higher time limit of [`AttemptKind::Alone`](ptm_suite::protocol::request::AttemptKind::Alone).
     #[serde(skip)]
     pub unanswered: Arc<AtomicUsize>,
     /// Flag that is set when the user ends the run.

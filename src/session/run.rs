@@ -1,20 +1,19 @@
-//! Runs a suite: makes first contact, requests every case once, repeats failed cases, and computes verdicts.
+//! The requests of a run and their results: requests every case once, repeats failed cases, and computes verdicts.
 
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 
-use crate::runner::run::AttemptKind;
+use crate::session::asking::CountCallback;
 pub use crate::session::asking::Session;
-use crate::session::asking::{CountCallback, DecoderFn};
 use crate::session::contact::{Contact, FirstFile};
 use crate::session::judge::{Judgment, judge};
-use crate::session::lit_scene::LitScene;
 use crate::session::observation::{Observation, Response};
 use crate::session::scores::{Fraction, Scores};
 use crate::session::tally::TimeoutWatch;
-use crate::session::{offer::Offer, outcome::Outcome, plan::RunPlan, remark::Remark};
+use crate::session::{offer::Offer, outcome::Outcome, remark::Remark};
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::protocol::request::AttemptKind;
 use ptm_suite::test_case::TestCase;
 
 /// The results of a run.
@@ -40,8 +39,6 @@ pub struct Run<C: TestCase = Case> {
     pub ended_early: Option<String>,
     /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
-    /// A scene for the HTML report, if requested.
-    pub scene: Option<LitScene>,
     /// Flag that is set when the user ends the search for causes.
     pub stop: Arc<AtomicBool>,
     /// Units of work done so far by the search for causes, at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
@@ -53,19 +50,6 @@ pub type Observations<C> = Vec<Option<Observation<C>>>;
 
 /// A callback for each finished case. It receives the case, its observation, the number of finished cases, and the total.
 pub type Progress<'a, C = Case> = dyn Fn(&C, &Observation<C>, usize, usize) + Sync + 'a;
-
-/// Runs `suite` against a decoder.
-pub fn check<C: TestCase>(
-    suite: &Suite<C>,
-    plan: &RunPlan,
-    ask: &DecoderFn<C>,
-    progress: &Progress<C>,
-) -> Run<C> {
-    let session = Session::new(suite, plan, ask);
-    let contact = session.first_contact();
-    let observations = session.request_all(&contact, progress);
-    session.verdicts(contact, observations, &|_, _| ())
-}
 
 impl<C: TestCase> Session<'_, C> {
     /// Returns the indices of the cases to request in two lists: the prioritized cases, and the others. The lists contain
@@ -234,16 +218,6 @@ impl<C: TestCase> Session<'_, C> {
         (self.tally.violations).fetch_sub(is_violation.into(), Ordering::Relaxed);
     }
 
-    /// Requests every case on the agenda.
-    #[must_use]
-    pub fn request_all(&self, contact: &Contact<C>, progress: &Progress<C>) -> Observations<C> {
-        let mut observations = vec![None; self.suite.cases.len()];
-        let (soonest, others) = self.agenda(contact);
-        let all = [soonest, others].concat();
-        self.request_cases(contact, &all, &mut observations, progress);
-        observations
-    }
-
     /// Returns the run that results if only these cases are selected. Nothing is repeated.
     #[must_use]
     pub fn partial_run(
@@ -322,7 +296,6 @@ impl<C: TestCase> Session<'_, C> {
             violations: self.tally.violations.load(Ordering::Relaxed),
             ended_early: None,
             not_a_decoder: None,
-            scene: None,
             stop: Arc::clone(&self.plan.stop),
             work: Arc::default(),
         }

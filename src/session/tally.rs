@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, OnceLock};
 
-use crate::runner::run::AttemptKind;
 use crate::session::remark::Remark;
 use ptm_suite::protocol::frame::TimeLimit;
+use ptm_suite::protocol::request::AttemptKind;
 
 /// Number of consecutive legal files that exceed the time limit before one of them is requested alone.
 const MAX_CONSECUTIVE: usize = 3;

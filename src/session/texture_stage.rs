@@ -2,8 +2,9 @@
 
 use serde_json::Value;
 
-use crate::runner::run::{Decoder, Reply, Request};
+use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
+use ptm_suite::protocol::request::{Reply, Request};
 use ptm_suite::texture::test_case::TextureView;
 
 /// Sends a file with a question and reads a JSON object from standard output.

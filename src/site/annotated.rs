@@ -163,7 +163,7 @@ impl Files {
                 let stream = self.streams.get(stream);
                 parse_hex(stream.ok_or_else(|| format!("part {:?}: unknown stream", part.name))?)
             }
-            _ => Err("expected one of text, hex and stream".to_owned()),
+            _ => Err("expected one of text, hex and stream".into()),
         };
         let bytes = bytes.map_err(|error| format!("part {:?}: {error}", part.name))?;
         Ok(bytes.repeat(part.times.unwrap_or(1)))

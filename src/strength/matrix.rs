@@ -5,14 +5,14 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Mutex;
 
 use crate::diagnose::{can_affect_file, decode_stream_cached};
-use crate::runner::run::Request;
-use crate::session::run::{Run, check};
-use crate::session::{outcome::Outcome, plan::RunPlan};
+use crate::pipeline::{Explain, judge_answers};
+use crate::session::{outcome::Outcome, plan::RunPlan, run::Run};
 use ptm::reading::Reading;
 use ptm_mistakes::Misreading;
 use ptm_mistakes::texture::Change;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::protocol::frame::{Answer, Frame};
+use ptm_suite::protocol::request::Request;
 use ptm_suite::{test_case::TestCase, texture::cases::TextureCase};
 use ptm_texture::Rules;
 
@@ -113,7 +113,7 @@ pub fn run_with_mistakes(
 }
 
 /// Runs the suite and records every answer.
-fn run_and_answers<C: TestCase>(
+fn run_and_answers<C: Explain>(
     suite: &Suite<C>,
     plan: &RunPlan,
     ask: &(dyn Fn(&Request<'_, C::View>) -> Answer<C::Output> + Sync),
@@ -126,7 +126,7 @@ fn run_and_answers<C: TestCase>(
         answers.insert(key, answer.clone());
         answer.into()
     };
-    let run = check(suite, plan, &record, &|_, _, _, _| ());
+    let run = judge_answers(suite, plan, &record);
     (run, answers.into_inner().expect("no worker panics"))
 }
 

@@ -1,10 +1,11 @@
 //! Requests to writers.
 
-use crate::runner::run::{AttemptKind, Decoder, Reply};
+use crate::runner::run::Decoder;
 use crate::runner::{scratch::Scratch, write::WriteCall};
 use crate::writers::test_case::{FileCase, RequestValues, WrittenFile};
 use ptm::Size;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{AttemptKind, Reply};
 use ptm_suite::{cases::TableSpelling, test_case::TestCase};
 
 /// Names of request values that a template can refer to, in addition to `{in}` and `{out}`.

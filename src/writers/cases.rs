@@ -100,10 +100,6 @@ impl RequestValues for Recipe {
     const VERB: &'static str = "write";
     const EXPECTED: &'static str = "a file";
 
-    fn suite() -> Result<Suite<WriterCase>, String> {
-        load_writer_requests()
-    }
-
     fn entries(&self) -> Option<u32> {
         self.format.has_table().then_some(self.entries)
     }

@@ -1,6 +1,6 @@
 //! Checklist for authors of writers: one request per format, and the fault of each file.
 
-use crate::runner::run::{AttemptKind, Decoder, Reply};
+use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
 use crate::session::probe::Checklist;
 use crate::writers::cases::load_writer_requests;
@@ -10,6 +10,7 @@ use crate::writers::{reference::write_requested_file, test_case::WrittenFile};
 use ptm_mistakes::writing;
 use ptm_suite::kit::last_message::quote_last_message;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{AttemptKind, Reply};
 
 /// Runs all steps of the checklist against `writer`.
 ///

@@ -20,7 +20,8 @@ pub enum NotWritten {
 /// Returns the reason why the file cannot be written.
 pub fn write_requested_file(request: &WriteRequest) -> Result<Vec<u8>, NotWritten> {
     let recipe = recipe(request)?;
-    let model = Model::new(&recipe, &request.samples).map_err(NotWritten::Impossible)?;
+    let model = Model::new(&recipe, &request.samples)
+        .map_err(|error| NotWritten::Impossible(error.to_string()))?;
     Ok(write(&recipe, &model).bytes)
 }
 
@@ -44,7 +45,9 @@ pub fn recipe(request: &WriteRequest) -> Result<Recipe, NotWritten> {
     if format.coding().is_some() {
         recipe.compression = compression(request, *format)?;
     }
-    recipe.check().map_err(NotWritten::Unsupported)?;
+    recipe
+        .check()
+        .map_err(|error| NotWritten::Unsupported(error.to_string()))?;
     Ok(recipe)
 }
 

@@ -7,9 +7,9 @@ use data_encoding::BASE64;
 use maud::{Markup, html};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-use crate::diagnose::{Causes, Diagnosis};
+use crate::diagnose::Diagnosis;
+use crate::pipeline::{Explain, FoundCauses};
 use crate::report::html::{download, standard_error};
-use crate::report::reported::Reportable;
 use crate::runner::write::Attachment;
 use crate::session::observation::{Observation, Response};
 use crate::session::run::Run;
@@ -97,11 +97,6 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     /// Description of the expected result, unless it is a refusal.
     const EXPECTED: &'static str;
 
-    /// Returns the embedded suite.
-    ///
-    /// # Errors
-    /// Returns a message that names the invalid line or request.
-    fn suite() -> Result<Suite<FileCase<Self>>, String>;
     /// Returns the number of distinct polynomials for formats with a table, or `None` for other formats.
     fn entries(&self) -> Option<u32> {
         None
@@ -154,11 +149,20 @@ impl<V: RequestValues> TestCase for FileCase<V> {
     type Built = BuiltRequest<V::Request>;
     type Decisions = ();
 
+    const SUITE: SuiteName = V::SUITE;
     const VIEWS: &'static [&'static str] = &["write"];
     const CHOICES: Choices<()> = Choices(&[]);
     const ACCEPTED_MESSAGE: &'static str = "wrote a file, although no legal file has these values";
     const UNSUPPORTED_MESSAGE: &'static str =
         "exited with 69 (unsupported), but writes other files of this kind";
+
+    fn digest(suite: &Suite<FileCase<V>>) -> String {
+        let digests = suite.cases.iter().map(|case| {
+            let built = case.values.build(case.format);
+            sha256(&V::to_bytes(&built))
+        });
+        sha256(digests.collect::<String>().as_bytes())
+    }
 
     fn id(&self) -> &str {
         &self.id
@@ -248,44 +252,33 @@ impl<V: RequestValues> TestCase for FileCase<V> {
     }
 }
 
-impl<V: RequestValues> Reportable for FileCase<V> {
-    const SUITE: SuiteName = V::SUITE;
-
-    type MisreadingPoint = &'static Misreading;
-
-    fn suite() -> Result<Suite<FileCase<V>>, String> {
-        V::suite()
-    }
-
-    fn digest(suite: &Suite<FileCase<V>>) -> String {
-        let digests = suite.cases.iter().map(|case| {
-            let built = case.values.build(case.format);
-            sha256(&V::to_bytes(&built))
-        });
-        sha256(digests.collect::<String>().as_bytes())
-    }
-
-    fn evidence(&self, _: TableSpelling, observation: &Observation<FileCase<V>>) -> Markup {
-        let file = wrong_file(Some(observation)).map(|(file, _)| file);
-        let (caption, text) = V::describe(&self.values.build(self.format));
-        html! {
-            p.label { (caption) }
-            pre.bytes tabindex="0" { (text) }
-            @if let Some(file) = file {
-                p.label { "Written file, " (file.len()) " bytes" @if file.len() > MAX_DISPLAYED_BYTES { " (the beginning)" } }
-                pre.bytes tabindex="0" { (file[..file.len().min(MAX_DISPLAYED_BYTES)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
-                (download(&format!("{}.ptm", self.id), file))
-            }
-            @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
+/// Renders the evidence for a request, which has no table: the request and the written file.
+pub fn evidence<V: RequestValues>(
+    case: &FileCase<V>,
+    _: TableSpelling,
+    observation: &Observation<FileCase<V>>,
+) -> Markup {
+    let file = wrong_file(Some(observation)).map(|(file, _)| file);
+    let (caption, text) = V::describe(&case.values.build(case.format));
+    html! {
+        p.label { (caption) }
+        pre.bytes tabindex="0" { (text) }
+        @if let Some(file) = file {
+            p.label { "Written file, " (file.len()) " bytes" @if file.len() > MAX_DISPLAYED_BYTES { " (the beginning)" } }
+            pre.bytes tabindex="0" { (file[..file.len().min(MAX_DISPLAYED_BYTES)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
+            (download(&format!("{}.ptm", case.id), file))
         }
+        @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
     }
+}
 
-    fn diagnose(
+impl<V: RequestValues> Explain for FileCase<V> {
+    fn find_causes(
         suite: &Suite<FileCase<V>>,
         run: &Run<FileCase<V>>,
         _: &[String],
-        threads: usize,
-    ) -> Causes<&'static Misreading> {
-        V::diagnose(suite, run, threads).into()
+        jobs: usize,
+    ) -> FoundCauses {
+        FoundCauses::new(suite, &V::diagnose(suite, run, jobs).into())
     }
 }

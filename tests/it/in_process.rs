@@ -2,13 +2,14 @@
 
 use ptm::Format;
 use ptm::Reading;
-use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::pipeline::judge_answers;
 use ptm_conform::session::plan::RunPlan;
-use ptm_conform::session::run::{Run, check};
+use ptm_conform::session::run::Run;
 use ptm_mistakes::formula::Edit;
 use ptm_mistakes::{Change, Misreading, Symptom};
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{Reply, Request};
 
 pub fn suite() -> Suite {
     Suite::load().expect("the suite loads")
@@ -63,7 +64,7 @@ pub fn reference_answer(request: &Request) -> Answer {
 /// Runs the cases of a plan against a decoder.
 pub fn run(suite: &Suite, plan: &RunPlan, decoder: impl Fn(&Request) -> Answer + Sync) -> Run {
     let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
-    check(suite, plan, &ask, &|_, _, _, _| ())
+    judge_answers(suite, plan, &ask)
 }
 
 /// Runs all cases against a decoder.

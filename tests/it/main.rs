@@ -15,6 +15,7 @@ mod formula;
 mod fuzz;
 mod misreadings;
 mod packages;
+mod pipeline;
 mod protocol;
 mod readers;
 mod recordings;

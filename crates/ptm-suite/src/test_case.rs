@@ -12,6 +12,7 @@ use serde::de::DeserializeOwned;
 use crate::cases::{Expect, Suite, TableSpelling};
 use crate::compare::FlatBlocks;
 use crate::dialect::{Choices, Dialect, RightDialects};
+use crate::name::SuiteName;
 
 /// A case of any suite.
 pub trait TestCase: Clone + Debug + Send + Sync + 'static {
@@ -28,6 +29,8 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     /// Decisions that depend on how open questions are read.
     type Decisions: 'static;
 
+    /// Name of the suite.
+    const SUITE: SuiteName;
     /// Names of all views, in order of preference.
     const VIEWS: &'static [&'static str];
     /// The open questions.
@@ -38,6 +41,8 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     const UNSUPPORTED_MESSAGE: &'static str =
         "exited with 69 (unsupported), but decodes other files of this kind";
 
+    /// Returns a digest of all requests and expected results, in order.
+    fn digest(suite: &Suite<Self>) -> String;
     /// Returns the permanent id.
     fn id(&self) -> &str;
     /// Returns the tested clauses, the most relevant first.

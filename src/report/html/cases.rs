@@ -7,9 +7,9 @@ use maud::{Markup, html};
 use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::report::html::evidence::standard_error;
 use crate::report::html::shell::{link, mark};
-use crate::report::{reported::Reportable, suite_texts::SuiteTexts};
-use crate::session::{outcome::Outcome, run::Run};
-use ptm_suite::{cases::Suite, name::SuiteName};
+use crate::report::suite_texts::SuiteTexts;
+use crate::session::outcome::Outcome;
+use ptm_suite::name::SuiteName;
 
 /// Maximum number of bytes of markup for the evidence of all failing cases: images, files, excerpts, previews and standard
 /// error. Evidence that does not fit is omitted, and the page mentions the omission.
@@ -60,25 +60,19 @@ pub(super) type EvidenceMarkup<'a> = HashMap<&'a str, Markup>;
 
 /// Returns evidence for as many failing cases as fit in [`MAX_EVIDENCE_BYTES`]: the first case of every group, then the
 /// second of every group, and so on.
-pub(super) fn evidence<'a, C: Reportable>(
-    suite: &Suite<C>,
-    run: &Run<C>,
+pub(super) fn evidence<'a>(
+    of_case: &dyn Fn(&str) -> Option<Markup>,
     groups: &[Group<'a>],
 ) -> EvidenceMarkup<'a> {
     let mut evidence = HashMap::new();
-    let mut observed = HashMap::new();
-    for (case, observation) in suite.cases.iter().zip(&run.observations) {
-        observed.insert(case.id(), (case, observation));
-    }
     let longest = groups.iter().map(|group| group.cases.len()).max();
     let in_turn = (0..longest.unwrap_or_default())
         .flat_map(|rank| groups.iter().filter_map(move |group| group.cases.get(rank)));
     let mut left = MAX_EVIDENCE_BYTES;
     for case in in_turn {
-        let Some((known, Some(observation))) = observed.get(case.id.as_str()) else {
+        let Some(shown) = of_case(&case.id) else {
             continue;
         };
-        let shown = known.evidence(run.table, observation);
         let Some(rest) = left.checked_sub(shown.0.len()) else {
             break;
         };

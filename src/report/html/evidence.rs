@@ -1,5 +1,6 @@
 //! Evidence for a failing case: texel values, images, bytes of the file, and a preview.
 
+use std::collections::HashMap;
 use std::ops::Range;
 
 use data_encoding::BASE64;
@@ -8,16 +9,51 @@ use maud::{Markup, html};
 use crate::diagnose::arithmetic_steps;
 use crate::report::html::figures::{self, Position};
 use crate::report::html::preview;
+use crate::session::lit_scene::LitScene;
 use crate::session::observation::{Observation, Response};
+use crate::session::run::Run;
 use ptm::decode::decode;
 use ptm::{Shape, channel_name};
-use ptm_suite::cases::{Built, Case, TableSpelling};
+use ptm_suite::cases::{Built, Case, Suite, TableSpelling};
 use ptm_suite::compare::{Difference, Expected};
 use ptm_suite::dialect::RightDialects;
 use ptm_suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
 use ptm_suite::protocol::frame::{Frame, View, ViewKind};
+use ptm_suite::test_case::TestCase;
 use ptm_suite::texture::cases::TextureCase;
 
+/// What a page shows of a run, in addition to the report.
+pub struct Evidence<'a> {
+    /// Renders the evidence for the case with this id, if it was observed.
+    pub of_case: Box<dyn Fn(&str) -> Option<Markup> + 'a>,
+    /// The scene at the top of the page.
+    pub scene: Option<&'a LitScene>,
+}
+
+impl<'a> Evidence<'a> {
+    /// Creates the evidence of a run. `render` renders the evidence for a case.
+    pub fn new<C: TestCase>(
+        suite: &'a Suite<C>,
+        run: &'a Run<C>,
+        render: fn(&C, TableSpelling, &Observation<C>) -> Markup,
+    ) -> Evidence<'a> {
+        let cases = suite.cases.iter().zip(&run.observations);
+        let observed: HashMap<&str, _> = cases
+            .map(|(case, seen)| (case.id(), (case, seen)))
+            .collect();
+        let of_case = move |id: &str| {
+            let (case, observation) = observed.get(id)?;
+            Some(render(case, run.table, observation.as_ref()?))
+        };
+        Evidence {
+            of_case: Box::new(of_case),
+            scene: None,
+        }
+    }
+}
+
+/// Renders the evidence for a PTM file.
+#[must_use]
 pub fn case_evidence(case: &Case, table: TableSpelling, observed: &Observation) -> Markup {
     let built = case.build(table);
     let shown = match &observed.response {
@@ -54,7 +90,13 @@ pub fn download(name: &str, file: &[u8]) -> Markup {
     }
 }
 
-pub fn question_evidence(case: &TextureCase, observed: &Observation<TextureCase>) -> Markup {
+/// Renders the evidence for a texture question, which has no table.
+#[must_use]
+pub fn question_evidence(
+    case: &TextureCase,
+    _: TableSpelling,
+    observed: &Observation<TextureCase>,
+) -> Markup {
     let received = match &observed.response {
         Response::Image { frame, .. } => frame.as_ref().unwrap_or(&case.expect).to_string(),
         other => other.name().to_owned(),

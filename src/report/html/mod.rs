@@ -7,7 +7,7 @@ mod cases;
 mod clause_map;
 mod compare;
 mod diagnosis;
-pub(super) mod evidence;
+mod evidence;
 mod figures;
 mod matrix;
 mod page;
@@ -16,6 +16,7 @@ mod scene;
 mod shell;
 
 pub(crate) use clause_map::ClauseTally;
+pub use evidence::{Evidence, case_evidence, question_evidence};
 pub(crate) use evidence::{download, number, standard_error};
 pub use matrix::matrix;
 pub use page::{page, page_without_images};

@@ -5,24 +5,19 @@ use maud::{Markup, html};
 use crate::report::document::{CaseResult, Report};
 use crate::report::html::cases::{EvidenceMarkup, Group, evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
+use crate::report::html::evidence::Evidence;
 use crate::report::html::shell::{complete_page, link, mark, verdict_mark};
 use crate::report::html::{clause_map, scene};
-use crate::report::{reported::Reportable, suite_texts::SuiteTexts};
-use crate::session::{lit_scene::LitScene, outcome::Outcome, run::Run, scores::Fraction};
-use ptm_suite::{address::SITE, cases::Suite, clauses::Ruling};
+use crate::report::suite_texts::SuiteTexts;
+use crate::session::{lit_scene::LitScene, outcome::Outcome, scores::Fraction};
+use ptm_suite::{address::SITE, clauses::Ruling};
 
 /// Renders the page of a report, with images of the responses.
 #[must_use]
-pub fn page<C: Reportable>(
-    suite: &Suite<C>,
-    texts: &SuiteTexts,
-    report: &Report,
-    run: &Run<C>,
-) -> String {
+pub fn page(texts: &SuiteTexts, report: &Report, shown: &Evidence) -> String {
     let groups = groups(report);
-    let evidence = evidence(suite, run, &groups);
-    let images = Some((&evidence, run.scene.as_ref()));
-    page_with(texts, report, &groups, images)
+    let evidence = evidence(&shown.of_case, &groups);
+    page_with(texts, report, &groups, Some((&evidence, shown.scene)))
 }
 
 /// Renders the page of a report without images.

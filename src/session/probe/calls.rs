@@ -3,12 +3,13 @@
 use std::ffi::OsString;
 use std::path::Path;
 
-use crate::runner::run::{Decoder, Reply, Request};
+use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
 use crate::runner::start::{check_program, is_script_name};
 use crate::runner::template::Template;
 use ptm_suite::compare::Expected;
 use ptm_suite::protocol::frame::{Answer, View};
+use ptm_suite::protocol::request::{Reply, Request};
 
 use super::message::{ProbeFault, fault};
 use super::repair::repair;

@@ -1,8 +1,8 @@
 //! Explanations of answers that are not frames.
 
-use crate::runner::run::Reply;
 use ptm_suite::kit::last_message::quote_last_message;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::Reply;
 
 use super::message::{ProbeFault, Slots, fault};
 

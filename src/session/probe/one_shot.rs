@@ -2,10 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::runner::run::Reply;
 use ptm::Format;
 use ptm_suite::cases::TableSpelling;
 use ptm_suite::protocol::frame::{Answer, View};
+use ptm_suite::protocol::request::Reply;
 
 use super::calls::Calls;
 use super::checklist::{Checklist, Reproduction};

@@ -10,9 +10,9 @@ use std::process::Stdio;
 use std::time::Instant;
 
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
-use crate::runner::run::AttemptKind;
 use crate::runner::scratch::Workspace;
 use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit, View};
+use ptm_suite::protocol::request::AttemptKind;
 
 use super::calls::Calls;
 use super::checklist::{Checklist, ProbeRequest, Reproduction};

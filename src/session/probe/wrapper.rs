@@ -7,13 +7,14 @@ use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 
-use crate::runner::run::{Decoder, Reply};
+use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
 use crate::session::contact::{Contact, FirstReply};
 use crate::session::plan::RunPlan;
 use ptm_suite::cases::{Case, Expect, Suite};
 use ptm_suite::kit::parallel::map_in_parallel;
 use ptm_suite::protocol::frame::{Answer, View};
+use ptm_suite::protocol::request::Reply;
 
 use super::calls::Calls;
 use super::checklist::{ProbeStep, Reproduction};

@@ -70,10 +70,6 @@ impl RequestValues for ImageSource {
     const VERB: &'static str = "fit";
     const EXPECTED: &'static str = "a map that fits the images";
 
-    fn suite() -> Result<Suite<FitCase>, String> {
-        Ok(load_fitter_requests(None))
-    }
-
     fn build(&self, format: Format) -> BuiltRequest<ImageSet> {
         let set = self.photographs(format);
         let request = FitRequest {

@@ -8,14 +8,15 @@ use std::collections::HashMap;
 use crate::in_process::{reference_answer, suite};
 use crate::recordings::{digest, folder, recorded_answers};
 use ptm_conform::diagnose::{Cause, diagnose, diagnose_among};
-use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::pipeline::judge_answers;
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::{Run, check};
+use ptm_conform::session::run::Run;
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::kit::yaml;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{Reply, Request};
 use serde::Deserialize;
 
 /// A decoder, with statements that must and must not be made about it.
@@ -94,7 +95,7 @@ fn replay(suite: &Suite, reader: &str) -> Run {
             ..answer.into()
         }
     };
-    check(suite, &plan, &ask, &|_, _, _, _| ())
+    judge_answers(suite, &plan, &ask)
 }
 
 /// Returns every cause that is reported for a decoder.

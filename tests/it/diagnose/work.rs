@@ -2,8 +2,8 @@
 
 use ptm::Reading;
 use ptm_conform::diagnose::{Cause, diagnose};
-use ptm_conform::runner::run::Request;
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, ViewKind};
+use ptm_suite::protocol::request::Request;
 
 use crate::in_process::{answer_with, misreading, reference_answer, run_all, suite_of_small_files};
 

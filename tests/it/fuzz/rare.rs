@@ -10,11 +10,11 @@ use ptm::{Reading, decode};
 use ptm_conform::diagnose::can_affect_file;
 use ptm_conform::fuzz::{FuzzPlan, FuzzProgress, FuzzResult, fuzz};
 use ptm_conform::fuzz::{draft::Draft, generator::DraftGenerator};
-use ptm_conform::runner::run::{Reply, Request};
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Case, Expect, TableSpelling};
 use ptm_suite::protocol::capabilities::Capabilities;
 use ptm_suite::protocol::frame::{Answer, Frame, View};
+use ptm_suite::protocol::request::{Reply, Request};
 use ptm_suite::{compare::Expected, values::Values};
 
 use crate::in_process::{answer_with, misreading, suite};

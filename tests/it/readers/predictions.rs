@@ -44,7 +44,7 @@ reads: [RGB]↵  likes: all | likes",
     ) {
         let yaml = format!("- name: x\n  reader: x/y\n  evidence: code\n  {more}\n");
         let error = parse_profiles(&yaml).expect_err("an error");
-        assert!(error.contains(&why), "{error}");
+        assert!(error.to_string().contains(&why), "{error}");
     }
 }
 
@@ -183,7 +183,7 @@ fn files_converted_for_a_reader_keep_the_map() {
                     converted += 1;
                 }
                 Err(why) => {
-                    assert!(why.contains(name), "{why}");
+                    assert!(why.to_string().contains(name), "{why}");
                     refused += 1;
                 }
             }

@@ -10,9 +10,9 @@ use std::path::{Path, PathBuf};
 
 use flate2::read::GzDecoder;
 use ptm_conform::report::shards::RecordedAnswer;
-use ptm_conform::runner::run::AttemptKind;
 use ptm_suite::kit::digest::sha256;
 use ptm_suite::protocol::frame::Frame;
+use ptm_suite::protocol::request::AttemptKind;
 use serde::de::DeserializeOwned;
 
 pub fn folder() -> PathBuf {

@@ -8,14 +8,17 @@ use crate::common::{Workspace, have_python, rows, stdout};
 use crate::in_process::{answer_with, misreading, reference_answer, suite};
 use data_encoding::BASE64;
 use ptm_conform::diagnose::{Category, diagnose};
-use ptm_conform::report::{Report, badge, github, html, junit};
-use ptm_conform::report::{reported::Reportable, suite_texts::SuiteTexts};
-use ptm_conform::runner::run::{Reply, Request};
-use ptm_conform::session::run::{Run, check};
-use ptm_conform::session::{lit_scene, outcome::Outcome, plan::RunPlan};
+use ptm_conform::pipeline::{Check, check, judge_answers};
+use ptm_conform::report::html::{self, Evidence};
+use ptm_conform::report::suite_texts::SuiteTexts;
+use ptm_conform::report::{Report, badge, github, junit};
+use ptm_conform::session::run::Run;
+use ptm_conform::session::{outcome::Outcome, plan::RunPlan};
 use ptm_suite::address::SITE;
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::{Answer, Samples, ViewKind};
+use ptm_suite::protocol::request::{Reply, Request};
+use ptm_suite::test_case::TestCase;
 use ptm_suite::{name::SuiteName, texture::test_case::TextureView, values::Values};
 use ptm_texture::Rules;
 
@@ -31,7 +34,7 @@ fn run_misreading(slug: &str) -> (Suite, Run, Report) {
         stderr: HOSTILE.to_owned(),
         ..Reply::from(answer_with(&[mistake], request))
     };
-    let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+    let run = judge_answers(&suite, &plan, &ask);
     let diagnoses = diagnose(&suite, &run, &[], 2).diagnoses;
     let command = ["/somewhere/<b>decoder</b>".to_owned(), slug.to_owned()];
     let report = Report::new(&suite, &run, &command, Vec::new()).with_diagnoses(&suite, &diagnoses);
@@ -44,12 +47,13 @@ fn run_upside_down() -> &'static (Suite, Run, Report) {
     &RUN
 }
 
-fn texts<C: Reportable>(suite: &Suite<C>) -> SuiteTexts {
+fn texts<C: TestCase>(suite: &Suite<C>) -> SuiteTexts {
     SuiteTexts::new(suite).expect("the texts can be read")
 }
 
-fn render<C: Reportable>(suite: &Suite<C>, report: &Report, run: &Run<C>) -> String {
-    html::page(suite, &texts(suite), report, run)
+fn render(suite: &Suite, report: &Report, run: &Run) -> String {
+    let evidence = Evidence::new(suite, run, html::case_evidence);
+    html::page(&texts(suite), report, &evidence)
 }
 
 fn matrix(reports: &[Report]) -> Result<String, String> {
@@ -292,10 +296,17 @@ fn colors_are_explained_with_their_arithmetic() {
     };
     let mut plan = RunPlan::new(&suite, 2);
     plan.selected = (0..suite.cases.len()).map(|i| i % 16 == 0).collect();
-    let mut run = check(&suite, &plan, &halve_red, &|_, _, _, _| ());
-    run.scene = lit_scene::request(&run.offer, &run.judgment.decoded, &halve_red);
-    let report = Report::new(&suite, &run, &["viewer".to_owned()], Vec::new());
-    let page = render(&suite, &report, &run);
+    let check_of_answers = Check {
+        requests_scene: true,
+        ..Check::of_answers(&suite, &plan)
+    };
+    let checked = check(&check_of_answers, &halve_red, &());
+    let checked = checked.expect("a function has no trouble");
+    let evidence = Evidence {
+        scene: checked.scene.as_ref(),
+        ..Evidence::new(&suite, &checked.run, html::case_evidence)
+    };
+    let page = html::page(&texts(&suite), &checked.report, &evidence);
     save_page("colors.html", &page);
     assert!(
         page.contains("<figure class=\"scene\">") && page.contains("The scene is for illustration")
@@ -338,9 +349,10 @@ fn page_of_a_texture_stage_contains_the_questions() {
         let case = suite.case(request.name).expect("a case");
         Reply::from(case.answer(&mistake.apply_to(Rules::SPEC)))
     };
-    let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+    let run = judge_answers(&suite, &plan, &ask);
     let report = Report::new(&suite, &run, &["stage".to_owned()], Vec::new());
-    let page = render(&suite, &report, &run);
+    let evidence = Evidence::new(&suite, &run, html::question_evidence);
+    let page = html::page(&texts(&suite), &report, &evidence);
     save_page("texture.html", &page);
     let failing = failures(&report);
     assert!(failing > 0);

@@ -4,20 +4,18 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use ptm::Reading;
-use ptm::decode::predict::predictor_to_texel;
-use ptm_conform::report::reported::Reportable as _;
-use ptm_conform::report::shards::{
-    AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
-};
-use ptm_conform::report::{Report, conclude::conclude, document::Tool, merge::RecordedAnswers};
-use ptm_conform::runner::run::{AttemptKind, Reply, Request};
-use ptm_conform::session::asking::DecoderFn;
+use ptm_conform::pipeline::merge::RecordedAnswers;
+use ptm_conform::pipeline::recorder::ShardRecorder;
+use ptm_conform::pipeline::{Check, Subject, check};
+use ptm_conform::report::Report;
+use ptm_conform::report::shards::{Circumstances, OtherRemarks, Shard, answers_path};
 use ptm_conform::session::plan::{Repeat, RunPlan};
 use ptm_conform::session::remark::Remark;
-use ptm_conform::session::run::{Run, Session};
+use ptm_conform::session::run::Run;
 use ptm_mistakes::answer;
-use ptm_suite::cases::{Case, Suite};
+use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 
 use crate::common::{Workspace, zoo};
 use crate::in_process::{answer_with, misreading, reference_answer, suite_of_small_files};
@@ -40,58 +38,48 @@ fn plan(suite: &Suite, part: Option<Shard>) -> RunPlan {
     plan
 }
 
-fn remarks() -> OtherRemarks {
-    OtherRemarks {
-        before: Vec::new(),
-        after: vec![Remark::note("a remark".to_owned())],
-    }
-}
-
 type Decoder = dyn Fn(&Request) -> Answer + Sync;
 
-/// Runs a plan as `check` does, and optionally records the answers.
-fn run(suite: &Suite, plan: &RunPlan, ask: &DecoderFn, log: Option<&AnswerRecorder<Case>>) -> Run {
-    let mut session = Session::new(suite, plan, ask);
-    let mut contact = session.first_contact();
-    Case::undo_common_transforms(suite, &mut session, &mut contact);
-    let observations = session.request_all(&contact, &|case, observation, _, _| {
-        if let Some(log) = log.filter(|_| session.undone_transforms.is_empty()) {
-            log.record_observation(case, observation);
+/// A decoder about which there are other remarks.
+struct RemarkableDecoder<'a>(&'a Decoder);
+
+impl Subject for RemarkableDecoder<'_> {
+    fn ask(&self, request: &Request, _: usize) -> Reply {
+        (self.0)(request).into()
+    }
+
+    fn remarks(&self, _: &Suite, _: &Run) -> OtherRemarks {
+        OtherRemarks {
+            before: Vec::new(),
+            after: vec![Remark::note("a remark".to_owned())],
         }
-    });
-    session.verdicts(contact, observations, &|_, _| ())
+    }
 }
 
 /// Returns the report of a run without shards.
 fn report_of_whole_run(suite: &Suite, decoder: &Decoder) -> Report {
-    let ask = |request: &Request<'_>, _: usize| Reply::from(decoder(request));
     let plan = plan(suite, None);
-    let mut run = run(suite, &plan, &ask, None);
-    let report = conclude(suite, &plan, &mut run, &circumstances(), &remarks());
-    report.expect("no misreading is assumed")
+    let whole = Check {
+        circumstances: circumstances(),
+        ..Check::new(suite, &plan)
+    };
+    let checked = check(&whole, &RemarkableDecoder(decoder), &());
+    checked.expect("a function has no trouble").report
 }
 
 /// Runs one part and records its answers. Returns the path of its report.
-fn run_part(suite: &Suite, part: Shard, decoder: &Decoder, tool: &Tool, folder: &Path) -> PathBuf {
+fn run_part(suite: &Suite, part: Shard, decoder: &Decoder, folder: &Path) -> PathBuf {
     let report = folder.join(format!("part-{}.yaml", part.number));
-    let recorder = AnswerRecorder::new(&answers_path(&report)).expect("a file");
-    let ask = |request: &Request<'_>, _: usize| {
-        let reply = Reply::from(decoder(request));
-        recorder.record_answer(request, &reply);
-        reply
-    };
     let plan = plan(suite, Some(part));
-    let run = run(suite, &plan, &ask, Some(&recorder));
-    let end = Trailer {
-        version: tool.version.clone(),
-        corpus: tool.corpus.clone(),
-        part,
+    let check_of_part = Check {
         circumstances: circumstances(),
-        plan,
-        remarks: remarks(),
-        ended_early: run.ended_early.clone(),
+        finds_causes: false,
+        ..Check::new(suite, &plan)
     };
-    recorder.finish(&end).expect("the answers are written");
+    let recorder = ShardRecorder::new(part, &plan, &check_of_part.circumstances, &report);
+    let recorder = recorder.expect("a file");
+    let checked = check(&check_of_part, &RemarkableDecoder(decoder), &recorder);
+    checked.expect("the answers are written");
     report
 }
 
@@ -100,21 +88,12 @@ fn run_part(suite: &Suite, part: Shard, decoder: &Decoder, tool: &Tool, folder: 
 fn assert_same_report(suite: &Suite, decoder: &Decoder) {
     let whole = report_of_whole_run(suite, decoder);
     let scratch = tempfile::tempdir().expect("a directory");
-    let run = |number| {
-        run_part(
-            suite,
-            Shard { number, total: 8 },
-            decoder,
-            &whole.tool,
-            scratch.path(),
-        )
-    };
+    let run = |number| run_part(suite, Shard { number, total: 8 }, decoder, scratch.path());
     // The parts can be merged in any order.
     let parts = [4, 5, 6, 7, 8, 1, 2, 3].map(run);
     let answers = RecordedAnswers::read(suite, &parts).expect("all parts exist");
-    let merged = answers.merge(suite, 2, &|_, _, _, _| {});
-    let (_, merged) = merged.expect("every answer exists");
-    assert_eq!(merged.to_yaml(), whole.to_yaml());
+    let merged = answers.merge(suite, 2, &()).expect("every answer exists");
+    assert_eq!(merged.report.to_yaml(), whole.to_yaml());
 }
 
 /// Returns true for one in `count` files. The pseudorandom decision depends only on the bytes of the file.
@@ -141,7 +120,7 @@ fn eight_merged_shards_equal_the_whole_run() {
     assert_same_report(&suite, &|request| {
         let mut reading = Reading::SPEC;
         if is_sampled(request, 2) {
-            reading.motion_sign = predictor_to_texel;
+            reading.motion_sign = ptm::decode::predict::predictor_to_texel;
         }
         answer(&[], reading, request.file, request.view)
     });
@@ -181,10 +160,9 @@ fn merged_shards_repeat_the_same_requests_as_the_whole_run() {
 fn incomplete_or_foreign_shards_are_not_merged() {
     let suite = suite_of_small_files();
     let scratch = tempfile::tempdir().expect("a directory");
-    let tool = report_of_whole_run(&suite, &reference_answer).tool;
     let run = |number, total| {
         let part = Shard { number, total };
-        run_part(&suite, part, &reference_answer, &tool, scratch.path())
+        run_part(&suite, part, &reference_answer, scratch.path())
     };
     let refusal = |parts: &[PathBuf]| {
         RecordedAnswers::read(&suite, parts)

@@ -4,6 +4,7 @@
 
 mod action;
 mod documents;
+mod pipeline;
 mod tidy;
 
 use std::collections::BTreeMap;

@@ -7,12 +7,14 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant, SystemTime};
 
+use ptm_conform::pipeline::{Check, Observer, check};
 use ptm_conform::report::Report;
-use ptm_conform::runner::run::{Decoder, Request};
+use ptm_conform::runner::run::Decoder;
 use ptm_conform::runner::{scratch::Scratch, serve::Servers};
-use ptm_conform::session::{plan::RunPlan, run::check};
+use ptm_conform::session::{observation::Observation, plan::RunPlan};
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::kit::yaml::from_yaml;
+use ptm_suite::protocol::request::Request;
 use serde_json::Value;
 
 use crate::common::{
@@ -176,9 +178,23 @@ fn long_suite(count: usize) -> Suite {
     }
 }
 
+/// Number of cases of a long run.
+const COUNT: usize = 10_000;
+
+/// Least memory in each thousand of cases, in KiB, which excludes most of what is held for one case.
+struct HeldMemory([AtomicU64; 1 + COUNT / 1000]);
+
+impl Observer for HeldMemory {
+    fn case_finished(&self, _: &Case, _: &Observation, done: usize, _: usize) {
+        if done.is_multiple_of(100) {
+            let memory = number_in("/proc/self/status", "VmRSS:");
+            self.0[done / 1000].fetch_min(memory, Relaxed);
+        }
+    }
+}
+
 #[test]
 fn memory_does_not_grow_with_the_number_of_cases() {
-    const COUNT: usize = 10_000;
     const ALONE: &str = "PTM_TEST_ALONE";
     if std::env::var_os(ALONE).is_none() {
         // The memory of this process depends on the other tests. With the limit, glibc returns more memory to the system.
@@ -194,15 +210,12 @@ fn memory_does_not_grow_with_the_number_of_cases() {
     let scratch = Scratch::new().expect("a scratch directory");
     let servers = Servers::new(&decoder, &scratch, 2);
     let ask = |request: &Request<'_>, job: usize| servers.ask(request, job);
-    // Least memory in each thousand of cases, in KiB, which excludes most of what is held for one case.
-    let held = [const { AtomicU64::new(u64::MAX) }; 1 + COUNT / 1000];
-    let run = check(&suite, &RunPlan::new(&suite, 2), &ask, &|_, _, done, _| {
-        if done % 100 == 0 {
-            held[done / 1000].fetch_min(number_in("/proc/self/status", "VmRSS:"), Relaxed);
-        }
-    });
+    let held = HeldMemory([const { AtomicU64::new(u64::MAX) }; 1 + COUNT / 1000]);
+    let plan = RunPlan::new(&suite, 2);
+    let checked = check(&Check::of_answers(&suite, &plan), &ask, &held);
+    let run = checked.expect("a verdict").run;
     assert_eq!(run.exit_status(), 0, "{:?}", run.remarks);
-    let held = held.map(AtomicU64::into_inner);
+    let held = held.0.map(AtomicU64::into_inner);
     println!("least memory in each thousand of cases: {held:?} KiB");
     // An observation has a few hundred bytes.
     let (early, late) = (held[1], held[COUNT / 1000 - 1]);

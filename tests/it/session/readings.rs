@@ -6,7 +6,6 @@ use ptm::Reading;
 use ptm::Size;
 use ptm::decode::predict::predict_without_offset;
 use ptm_conform::report::Report;
-use ptm_conform::runner::run::Request;
 use ptm_conform::session::dialect::Certainty;
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::RunPlan;
@@ -14,6 +13,7 @@ use ptm_conform::session::run::Run;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::choices::CHOICES;
 use ptm_suite::protocol::frame::{Answer, Samples};
+use ptm_suite::protocol::request::Request;
 
 use crate::in_process::{self, jobs, misreading, reference_answer, suite_of_small_files};
 

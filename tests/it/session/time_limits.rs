@@ -4,16 +4,18 @@
 
 use std::collections::HashSet;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
+use ptm_conform::pipeline::{Check, Observer, check, judge_answers};
 use ptm_conform::report::Report;
-use ptm_conform::runner::run::{AttemptKind, Reply, Request};
+use ptm_conform::session::observation::Observation;
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::{Run, check};
+use ptm_conform::session::run::Run;
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Samples, TimeLimit};
+use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 
 use crate::common::{CheckRun, Workspace, assert_conforms, assert_contains, zoo};
 use crate::in_process::{self, reference_answer};
@@ -359,7 +361,7 @@ fn different_images_differ_even_if_the_next_repetition_times_out() {
             _ => answer,
         })
     };
-    let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+    let run = judge_answers(&suite, &plan, &ask);
     assert_eq!(ids(&suite, &run, Outcome::Fail), [wrong.as_str()]);
     let text = message(&suite, &run, wrong);
     assert!(
@@ -392,22 +394,30 @@ fn memory_and_time_limits_are_not_nondeterminism() {
     }
 }
 
+/// A user who ends the run after a number of cases.
+struct StopAfter<'a>(usize, &'a AtomicBool);
+
+impl Observer for StopAfter<'_> {
+    fn case_finished(&self, _: &Case, _: &Observation, done: usize, _: usize) {
+        self.1.store(done > self.0, Ordering::Relaxed);
+    }
+}
+
 /// Requests that exceeded the limit have no verdict if the user ends the run before they are repeated.
 #[test]
 fn interrupted_run_has_no_verdict_on_open_requests() {
     let suite = suite();
     let legal = legal(&suite);
     let plan = RunPlan::new(&suite, 2);
-    let stop = |_: &Case, _: &_, done: usize, _| {
-        plan.stop.store(done > 100, Ordering::Relaxed);
-    };
     let ask = |request: &Request<'_>, _: usize| {
         Reply::from(match legal[..2].iter().any(|id| id == request.name) {
             true => Pace::Endless.answer(request),
             false => reference_answer(request),
         })
     };
-    let run = check(&suite, &plan, &ask, &stop);
+    let impatient = StopAfter(100, &plan.stop);
+    let checked = check(&Check::of_answers(&suite, &plan), &ask, &impatient);
+    let run = checked.expect("a function has no trouble").run;
     assert_eq!(run.ended_early.as_deref(), Some("the run was interrupted"));
     assert_eq!(ids(&suite, &run, Outcome::Fail), [""; 0]);
     assert!(ids(&suite, &run, Outcome::NotRun).contains(&legal[0]));

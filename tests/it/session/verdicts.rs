@@ -3,14 +3,15 @@
 use std::time::Duration;
 
 use ptm::Format;
+use ptm_conform::pipeline::judge_answers;
 use ptm_conform::report::Report;
 use ptm_conform::report::{html, junit, suite_texts::SuiteTexts};
-use ptm_conform::runner::run::{AttemptKind, Reply, Request};
 use ptm_conform::session::outcome::{Outcome, ResponseKind, outcome};
 use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::{Run, check};
+use ptm_conform::session::run::Run;
 use ptm_suite::cases::{Case, Expect, Suite};
 use ptm_suite::protocol::frame::{Answer, TimeLimit};
+use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 
 use crate::common::repository_text;
 use crate::in_process::{self, reference_answer, suite};
@@ -205,7 +206,11 @@ fn three_timeouts_end_a_run_for_any_number_of_jobs() {
         let report = Report::new(&suite, &run, &command, vec!["none".to_owned()]);
         let xml = junit::junit(&report);
         let texts = SuiteTexts::new(&suite).expect("the texts can be read");
-        let page = html::page(&suite, &texts, &report, &run);
+        let page = html::page(
+            &texts,
+            &report,
+            &html::Evidence::new(&suite, &run, html::case_evidence),
+        );
         let text = report.to_text(&texts, 10);
         for (form, text) in [("text", &text), ("JUnit", &xml), ("HTML", &page)] {
             let why = "the run ended early: the decoder exceeds the time limit of 30 s (`--timeout`) on three legal files in a row; ";
@@ -252,7 +257,7 @@ fn different_limits_are_not_nondeterminism() {
                 false => Reply::from(reference_answer(request)),
             }
         };
-        let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+        let run = judge_answers(&suite, &plan, &ask);
         let mut failing = cases(&suite, &run, Outcome::Fail).peekable();
         assert!(failing.peek().is_some() && failing.all(hoards));
         let mut observed = run.observations.iter().flatten();

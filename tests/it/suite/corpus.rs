@@ -5,12 +5,12 @@ use std::fs;
 use std::path::PathBuf;
 
 use ptm::Format;
-use ptm_conform::report::reported::Reportable;
 use ptm_generate::{Model, Recipe, write};
 use ptm_suite::cases::{Case, Expect, TableSpelling};
 use ptm_suite::corpus::{self, ManifestEntry};
 use ptm_suite::damages::damage_kinds;
 use ptm_suite::kit::{digest::sha256, yaml::from_yaml};
+use ptm_suite::test_case::TestCase;
 
 use crate::in_process::suite;
 use crate::repository::tree;

@@ -4,12 +4,13 @@
 
 use std::collections::HashMap;
 
-use ptm_conform::runner::run::{Reply, Request};
+use ptm_conform::pipeline::judge_answers;
 use ptm_conform::session::outcome::Outcome;
 use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::{Run, check};
+use ptm_conform::session::run::Run;
 use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{Reply, Request};
 use ptm_suite::test_case::TestCase;
 use ptm_suite::texture::cases::TextureCase;
 use ptm_suite::texture::choices::CHOICES;
@@ -71,7 +72,7 @@ impl Recording {
             let answer = self.answers[request.name].clone();
             answer.unwrap_or_else(|| case.answer(&Rules::SPEC)).into()
         };
-        check(&self.suite, &plan, &ask, &|_, _, _, _| ())
+        judge_answers(&self.suite, &plan, &ask)
     }
 
     fn failures(&self, run: &Run<TextureCase>) -> Vec<&str> {

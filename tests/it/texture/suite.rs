@@ -3,14 +3,15 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use ptm_conform::diagnose::{Cause, texture::diagnose};
-use ptm_conform::runner::run::Request;
-use ptm_conform::session::run::{Run, check};
+use ptm_conform::pipeline::judge_answers;
+use ptm_conform::session::run::Run;
 use ptm_conform::session::{outcome::Outcome, plan::RunPlan};
 use ptm_conform::strength::matrix::texture_matrix;
 use ptm_mistakes::texture as misreadings;
 use ptm_suite::cases::Suite;
 use ptm_suite::clauses::{ClauseStatus, Ruling, RulingKind};
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::Request;
 use ptm_suite::test_case::TestCase;
 use ptm_suite::texture::cases::{self, Basis, TextureCase};
 use ptm_suite::texture::question::{OPERATIONS, Question, Refusal};
@@ -32,7 +33,7 @@ fn run(
     let ask = |request: &Request<'_, TextureView>, _: usize| {
         ask(suite.case(request.name).expect("the case exists")).into()
     };
-    check(suite, &RunPlan::new(suite, 1), &ask, &|_, _, _, _| ())
+    judge_answers(suite, &RunPlan::new(suite, 1), &ask)
 }
 
 fn cases_with_outcome(

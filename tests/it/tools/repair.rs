@@ -83,7 +83,7 @@ fn bytes_that_may_be_values_are_not_removed() {
     let others = [(displaced, "may be values"), (copied, "text mode")];
     for (bytes, message) in extended.into_iter().chain(others) {
         let error = repair(&bytes).expect_err(message);
-        assert!(error.contains(message), "{error}");
+        assert!(error.to_string().contains(message), "{error}");
     }
 }
 

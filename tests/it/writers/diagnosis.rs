@@ -5,8 +5,8 @@ use std::collections::HashMap;
 
 use ptm::Format;
 use ptm_conform::diagnose::Cause;
-use ptm_conform::runner::run::{Reply, Request};
-use ptm_conform::session::{outcome::Outcome, plan::RunPlan, run::check};
+use ptm_conform::pipeline::judge_answers;
+use ptm_conform::session::{outcome::Outcome, plan::RunPlan};
 use ptm_conform::writers::request::{RequestHeader, WriteRequest};
 use ptm_conform::writers::test_case::{WriteView, WrittenFile};
 use ptm_conform::writers::wrong_files::write_with_mistake;
@@ -16,6 +16,7 @@ use ptm_conform::writers::{
 use ptm_mistakes::writing::{self, WriterMistake};
 use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{Reply, Request};
 
 use crate::common::{Workspace, edit, have_tool, repository_text, rows};
 
@@ -57,7 +58,7 @@ impl Requests {
             Reply::from(Answer::Decoded(WrittenFile(file)))
         };
         let plan = RunPlan::new(&self.suite, 2);
-        let run = check(&self.suite, &plan, &ask, &|_, _, _, _| ());
+        let run = judge_answers(&self.suite, &plan, &ask);
         let failing = run.judgment.with_outcome(Outcome::Fail).count();
         let causes = diagnose(&self.suite, &run, 2);
         match causes.first().map(|first| &first.cause) {
@@ -128,7 +129,7 @@ fn unrelated_mistakes_are_not_reported() {
             Reply::from(Answer::Decoded(WrittenFile(file)))
         };
         let plan = RunPlan::new(&requests.suite, 2);
-        let run = check(&requests.suite, &plan, &ask, &|_, _, _, _| ());
+        let run = judge_answers(&requests.suite, &plan, &ask);
         let causes = diagnose(&requests.suite, &run, 2);
         match &causes.first().expect("a cause").cause {
             Cause::Misreading { misreading, .. } => misreading.clause.to_owned(),

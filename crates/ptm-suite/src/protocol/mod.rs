@@ -5,3 +5,4 @@ pub mod forms;
 pub mod frame;
 pub mod image_file;
 pub mod npy;
+pub mod request;

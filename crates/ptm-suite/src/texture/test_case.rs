@@ -5,8 +5,10 @@ use std::fmt;
 
 use serde_json::Value;
 
-use crate::cases::{Expect, TableSpelling};
+use crate::cases::{Expect, Suite, TableSpelling};
 use crate::dialect::{Choices, Dialect, RightDialects};
+use crate::kit::digest::sha256;
+use crate::name::SuiteName;
 use crate::test_case::{Allowance, Comparison, TestCase};
 use crate::texture::cases::{Basis, TextureCase};
 use crate::texture::choices::CHOICES;
@@ -33,8 +35,14 @@ impl TestCase for TextureCase {
     type Built = Vec<u8>;
     type Decisions = Rules;
 
+    const SUITE: SuiteName = SuiteName::Texture;
     const VIEWS: &'static [&'static str] = &["texture"];
     const CHOICES: Choices<Rules> = CHOICES;
+
+    fn digest(suite: &Suite<TextureCase>) -> String {
+        let text = |case: &TextureCase| format!("{}{}{}", case.id, case.question(), case.expect);
+        sha256(suite.cases.iter().map(text).collect::<String>().as_bytes())
+    }
 
     fn id(&self) -> &str {
         &self.id

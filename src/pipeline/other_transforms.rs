@@ -7,14 +7,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use zune_jpeg::zune_core::colorspace::ColorSpace;
 use zune_jpeg::zune_core::options::DecoderOptions;
 
-use crate::runner::run::Request;
+use crate::pipeline::judge_answers;
 use crate::session::files::check_file;
-use crate::session::{observation::Response, outcome::Outcome, plan::RunPlan, run::check};
+use crate::session::{observation::Response, outcome::Outcome, plan::RunPlan};
 use ptm::Coding;
 use ptm::decode::planes;
 use ptm::parts::PlaneStream;
 use ptm::reading::Reading;
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::protocol::request::Request;
 use ptm_suite::test_case::Allowance;
 
 /// Number of planes read by the decoder of the current test, and number of planes left to the reference.
@@ -65,7 +66,7 @@ fn assert_passes(stream: fn(&PlaneStream) -> DecodedStream) {
     let ask = |request: &Request<'_>, _: usize| {
         ptm_mistakes::answer(&[], reading, request.file, request.view).into()
     };
-    let run = check(&suite, &plan, &ask, &|_, _, _, _| ());
+    let run = judge_answers(&suite, &plan, &ask);
     let failed = run.judgment.with_outcome(Outcome::Fail);
     let failed = failed.map(|i| (&suite.cases[i].id, &run.judgment.cases[i]));
     let failed: Vec<_> = failed.collect();

@@ -4,12 +4,13 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value, json};
 
-use crate::runner::run::Request;
+use crate::pipeline::judge_answers;
 use crate::session::outcome::Outcome;
 use crate::session::plan::RunPlan;
-use crate::session::run::{Run, check};
+use crate::session::run::Run;
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::Request;
 use ptm_suite::texture::cases::TextureCase;
 use ptm_suite::texture::choices::CHOICES;
 use ptm_suite::texture::question::Question;
@@ -65,7 +66,7 @@ fn run(rules: &Rules) -> (Suite<TextureCase>, Run<TextureCase>) {
         let answer: Answer<Value> = case.answer(rules);
         answer.into()
     };
-    let run = check(&suite, &RunPlan::new(&suite, 1), &ask, &|_, _, _, _| ());
+    let run = judge_answers(&suite, &RunPlan::new(&suite, 1), &ask);
     (suite, run)
 }
 

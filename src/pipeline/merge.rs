@@ -11,13 +11,12 @@ use std::sync::OnceLock;
 
 use serde::de::DeserializeOwned;
 
+use crate::pipeline::{Check, Checked, Explain, Observer, Subject, check};
 use crate::report::shards::{self, AnswerRecord, OtherRemarks, RecordedAnswer, Shard, Trailer};
-use crate::report::{conclude::conclude, document::Report, reported::Reportable};
-use crate::runner::run::{AttemptKind, Reply, Request};
-use crate::session::run::{Progress, Run, Session};
-use crate::session::{asking::ReplyTo, remark::Remark};
+use crate::session::{asking::ReplyTo, plan::RunPlan, remark::Remark, run::Run};
 use ptm_suite::kit::strip_os_error_code;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 use ptm_suite::{cases::Suite, test_case::TestCase};
 
 /// Recorded answers of all parts of a run.
@@ -28,7 +27,7 @@ pub struct RecordedAnswers<C: TestCase> {
     trailer: Trailer,
 }
 
-impl<C: Reportable> RecordedAnswers<C> {
+impl<C: Explain> RecordedAnswers<C> {
     /// Reads the answer files next to the given reports.
     ///
     /// # Errors
@@ -63,7 +62,7 @@ impl<C: Reportable> RecordedAnswers<C> {
         Ok(RecordedAnswers { known, trailer })
     }
 
-    /// Replays the whole run and returns it with its report. `progress` is called as in a normal run.
+    /// Replays the whole run.
     ///
     /// # Errors
     /// Returns a message if the whole run needs a request that no part sent.
@@ -71,32 +70,22 @@ impl<C: Reportable> RecordedAnswers<C> {
         &self,
         suite: &Suite<C>,
         jobs: usize,
-        progress: &Progress<C>,
-    ) -> Result<(Run<C>, Report), String> {
-        let (circumstances, remarks) = (&self.trailer.circumstances, &self.trailer.remarks);
-        let mut plan = self.trailer.plan.clone();
-        plan.jobs = jobs;
-        let missing = OnceLock::new();
-        let ask = |request: &Request<'_, C::View>, _: usize| {
-            self.find_reply(suite, request).unwrap_or_else(|| {
-                missing.get_or_init(|| format!("{} in {}", request.name, request.view));
-                Answer::NotStarted("no part of the run contains this request".to_owned()).into()
-            })
+        observer: &dyn Observer<C>,
+    ) -> Result<Checked<C>, String> {
+        let plan = RunPlan {
+            jobs,
+            ..self.trailer.plan.clone()
         };
-        let mut session = Session::new(suite, &plan, &ask);
-        let mut contact = session.first_contact();
-        if circumstances.assumed.is_empty() {
-            C::undo_common_transforms(suite, &mut session, &mut contact);
-        }
-        let observations = session.request_all(&contact, progress);
-        let mut run = session.verdicts(contact, observations, &|_, _| ());
-        if let Some(request) = missing.into_inner() {
-            return Err(format!(
-                "no part of the run contains the request for {request}; are the responses of the decoder nondeterministic?"
-            ));
-        }
-        let report = conclude(suite, &plan, &mut run, circumstances, remarks)?;
-        Ok((run, report))
+        let replay = Replay {
+            answers: self,
+            suite,
+            missing: OnceLock::new(),
+        };
+        let whole = Check {
+            circumstances: self.trailer.circumstances.clone(),
+            ..Check::new(suite, &plan)
+        };
+        check(&whole, &replay, observer).map_err(|error| error.to_string())
     }
 
     /// Returns the recorded answer to a request. If no part repeated the request, returns the first answer again, because the
@@ -116,6 +105,36 @@ impl<C: Reportable> RecordedAnswers<C> {
             serve_mode_answer: record.serve_mode_answer.clone(),
             ..answer.into()
         })
+    }
+}
+
+/// A decoder that gives the recorded answers.
+struct Replay<'a, C: TestCase> {
+    answers: &'a RecordedAnswers<C>,
+    suite: &'a Suite<C>,
+    /// The first request without a recorded answer.
+    missing: OnceLock<String>,
+}
+
+impl<C: Explain> Subject<C> for Replay<'_, C> {
+    fn ask(&self, request: &Request<'_, C::View>, _: usize) -> ReplyTo<C> {
+        let reply = self.answers.find_reply(self.suite, request);
+        reply.unwrap_or_else(|| {
+            self.missing
+                .get_or_init(|| format!("{} in {}", request.name, request.view));
+            Answer::NotStarted("no part of the run contains this request".to_owned()).into()
+        })
+    }
+
+    fn trouble(&self) -> Option<String> {
+        let request = self.missing.get()?;
+        Some(format!(
+            "no part of the run contains the request for {request}; are the responses of the decoder nondeterministic?"
+        ))
+    }
+
+    fn remarks(&self, _: &Suite<C>, _: &Run<C>) -> OtherRemarks {
+        self.answers.trailer.remarks.clone()
     }
 }
 

@@ -1,0 +1,154 @@
+//! What a user sees of a check while it runs, and the files that it writes: progress and first causes on standard error, the
+//! results so far, and the report.
+
+use std::fs;
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::Duration;
+
+use super::ending::ReportWriter;
+use super::files::with_path;
+use super::progress::{self, ProgressLine};
+use crate::pipeline::recorder::ShardRecorder;
+use crate::pipeline::{Agenda, FoundCauses, Observer, Stage};
+use crate::report::document::{LikelyCause, Report};
+use crate::report::html::Evidence;
+use crate::report::shards::OtherRemarks;
+use crate::report::text::first_causes_to_text;
+use crate::session::asking::{ReplyTo, UndoneTransform};
+use crate::session::{contact::Contact, observation::Observation, run::Run};
+use ptm_suite::protocol::request::Request;
+use ptm_suite::test_case::TestCase;
+
+/// Minimum estimated duration of a run. Shorter estimates are not announced.
+const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
+
+/// Display of a check.
+pub struct Display<'a, C: TestCase> {
+    writer: ReportWriter<'a>,
+    /// File next to the report, with the results so far: a YAML list that is valid after every case.
+    partial: (PathBuf, fs::File),
+    progress: ProgressLine,
+    /// Hint on how to get answers faster.
+    speed_hint: Option<&'static str>,
+    /// Recorder of the answers, if only a part of the suite is run.
+    recorder: Option<ShardRecorder<'a, C>>,
+}
+
+impl<'a, C: TestCase> Display<'a, C> {
+    /// Starts the display and creates the file for the results so far.
+    pub fn new(
+        writer: ReportWriter<'a>,
+        speed_hint: Option<&'static str>,
+        recorder: Option<ShardRecorder<'a, C>>,
+    ) -> Result<Display<'a, C>, String> {
+        let mut partial = writer.path.as_os_str().to_owned();
+        partial.push(".partial");
+        let partial = PathBuf::from(partial);
+        let file = fs::File::create(&partial).map_err(with_path(&partial))?;
+        Ok(Display {
+            writer,
+            partial: (partial, file),
+            progress: ProgressLine::new("initial checks"),
+            speed_hint,
+            recorder,
+        })
+    }
+
+    /// Ends the display, and writes and prints the report in all requested formats. Returns the exit status.
+    pub fn finish(self, run: &Run<C>, report: Report, evidence: &Evidence) -> Result<u8, String> {
+        drop(self.progress);
+        let status = self.writer.finish(run, report, evidence)?;
+        let _ = fs::remove_file(self.partial.0);
+        Ok(status)
+    }
+}
+
+impl<C: TestCase> Observer<C> for Display<'_, C> {
+    fn stage_began(&self, stage: &Stage) {
+        match stage {
+            Stage::FirstContact => self.progress.begin("initial checks"),
+            Stage::PrioritizedCases => self.progress.begin("running the smoke subset:"),
+            Stage::FirstSearch(work) => {
+                let label = "searching for first causes";
+                self.progress.begin_search(label, work);
+            }
+            Stage::Cases => self.progress.begin("running"),
+            Stage::Repeats => self.progress.begin("repeating requests:"),
+            Stage::Report => self.progress.begin("writing the report"),
+            Stage::Search(work) => self.progress.begin_search("searching for causes", work),
+        }
+    }
+
+    fn request_answered(&self, request: &Request<'_, C::View>, reply: &ReplyTo<C>) {
+        if let Some(recorder) = &self.recorder {
+            recorder.request_answered(request, reply);
+        }
+    }
+
+    fn contact_made(&self, contact: &Contact<C>, undone: &[UndoneTransform<C>]) {
+        if let Some(recorder) = &self.recorder {
+            recorder.contact_made(contact, undone);
+        }
+    }
+
+    fn agenda_known(&self, agenda: &Agenda) {
+        let (all, first) = (agenda.total, agenda.prioritized);
+        let long = agenda.time(all);
+        if long >= MIN_ANNOUNCED_TIME {
+            let [long, short] = [long, agenda.time(first)].map(progress::format_duration);
+            let hint = self.speed_hint.unwrap_or_default();
+            self.progress.print_message(&format!(
+                "{all} requests will take about {long}; the first likely causes will be known after {first} requests, in about {short}.{hint}"
+            ));
+        }
+    }
+
+    fn case_finished(&self, case: &C, observation: &Observation<C>, done: usize, total: usize) {
+        let (id, view, answer) = (case.id(), &observation.view, observation.response.name());
+        let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
+        // Use one write per line. Results that cannot be written here are still in the report.
+        let _ = (&self.partial.1).write_all(line.as_bytes());
+        if let Some(recorder) = &self.recorder {
+            recorder.case_finished(case, observation, done, total);
+        }
+        if observation.is_certain_failure(case) {
+            self.progress.count_wrong_answer();
+        }
+        self.progress.update(done, total);
+    }
+
+    fn first_causes_found(&self, run: &Run<C>, causes: &[LikelyCause]) {
+        if let Some(text) = first_causes_to_text(run, causes) {
+            self.progress.print_message(&text);
+        }
+    }
+
+    fn request_repeated(&self, done: usize, total: usize) {
+        self.progress.update(done, total);
+    }
+
+    fn verdicts_reported(
+        &self,
+        run: &Run<C>,
+        report: &Report,
+        remarks: &OtherRemarks,
+    ) -> Result<(), String> {
+        self.writer.write(&mut report.clone())?;
+        match &self.recorder {
+            Some(recorder) => recorder.verdicts_reported(run, report, remarks),
+            None => Ok(()),
+        }
+    }
+
+    fn causes_found(&self, found: &FoundCauses) {
+        if let Some(time) = found.cpu_time
+            && !found.causes.is_empty()
+        {
+            let (answers, seconds) = (found.answer_count, time.as_secs_f64());
+            self.progress.print_message(&format!(
+                "searched for causes: {answers} answers compared in {seconds:.1} s of CPU time"
+            ));
+        }
+    }
+}

@@ -1,0 +1,201 @@
+//! The pipeline in this process: what an observer learns, and when.
+
+#![cfg(unix)]
+
+use std::sync::Mutex;
+
+use ptm_conform::pipeline::{Agenda, Check, Error, FoundCauses, Observer, Stage, check};
+use ptm_conform::report::Report;
+use ptm_conform::report::document::LikelyCause;
+use ptm_conform::report::shards::OtherRemarks;
+use ptm_conform::session::asking::UndoneTransform;
+use ptm_conform::session::contact::Contact;
+use ptm_conform::session::observation::Observation;
+use ptm_conform::session::outcome::Outcome;
+use ptm_conform::session::plan::{Repeat, RunPlan};
+use ptm_conform::session::run::Run;
+use ptm_conform::strength::smoke;
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::protocol::request::{Reply, Request};
+
+use crate::in_process::{answer_with, jobs, misreading, suite_of_small_files};
+
+/// Keeps everything that happens, except single requests.
+#[derive(Default)]
+struct Log {
+    events: Mutex<Vec<String>>,
+    verdicts: Mutex<Option<Report>>,
+    /// True if the report with all verdicts cannot be written.
+    is_full: bool,
+}
+
+impl Log {
+    fn add(&self, event: impl Into<String>) {
+        let mut events = self.events.lock().expect("no observer panics");
+        // Cases and repeats are counted, not listed.
+        let event = event.into();
+        if events.last() != Some(&event) {
+            events.push(event);
+        }
+    }
+
+    fn events(self) -> Vec<String> {
+        self.events.into_inner().expect("no observer panics")
+    }
+}
+
+impl Observer for Log {
+    fn stage_began(&self, stage: &Stage) {
+        self.add(match stage {
+            Stage::FirstContact => "first contact:",
+            Stage::PrioritizedCases => "prioritized cases:",
+            Stage::FirstSearch(_) => "first search:",
+            Stage::Cases => "cases:",
+            Stage::Repeats => "repeats:",
+            Stage::Report => "report:",
+            Stage::Search(_) => "search:",
+        });
+    }
+
+    fn contact_made(&self, contact: &Contact, undone: &[UndoneTransform<Case>]) {
+        let views = undone.iter().map(|transform| transform.view);
+        let views: Vec<&str> = views.collect();
+        let offered = contact.offer.views.join(" ");
+        self.add(format!("offers {offered}; undone in [{}]", views.join(" ")));
+    }
+
+    fn agenda_known(&self, agenda: &Agenda) {
+        assert!(agenda.prioritized < agenda.total);
+        self.add("agenda");
+    }
+
+    fn case_finished(&self, _: &Case, _: &Observation, _: usize, _: usize) {
+        self.add("case");
+    }
+
+    fn request_repeated(&self, _: usize, _: usize) {
+        self.add("repeat");
+    }
+
+    fn first_causes_found(&self, _: &Run, causes: &[LikelyCause]) {
+        let causes: Vec<&str> = causes.iter().map(LikelyCause::name).collect();
+        self.add(format!("first causes: {}", causes.join(" ")));
+    }
+
+    fn verdicts_reported(
+        &self,
+        run: &Run,
+        report: &Report,
+        _: &OtherRemarks,
+    ) -> Result<(), String> {
+        assert_eq!(run.exit_status(), 1);
+        *self.verdicts.lock().expect("no observer panics") = Some(report.clone());
+        self.add("verdicts");
+        match self.is_full {
+            true => Err("the disk is full".to_owned()),
+            false => Ok(()),
+        }
+    }
+
+    fn causes_found(&self, found: &FoundCauses) {
+        let causes: Vec<&str> = found.causes.iter().map(LikelyCause::name).collect();
+        self.add(format!("causes: {}", causes.join(" ")));
+    }
+}
+
+/// Returns a plan with the smoke subset first, as the program makes it.
+fn plan(suite: &Suite) -> RunPlan {
+    let smoke = smoke::ids().expect("a list of ids");
+    RunPlan {
+        prioritized: suite
+            .cases
+            .iter()
+            .map(|case| smoke.contains(&case.id))
+            .collect(),
+        repeat: Repeat::Failures,
+        ..RunPlan::new(suite, jobs())
+    }
+}
+
+#[test]
+fn verdicts_are_reported_before_causes_are_searched() {
+    let suite = suite_of_small_files();
+    let plan = plan(&suite);
+    let mistake = misreading("bias-added");
+    let decoder = |request: &Request<'_>, _: usize| Reply::from(answer_with(&[mistake], request));
+    let log = Log::default();
+    let checked = check(&Check::new(&suite, &plan), &decoder, &log).expect("a verdict");
+
+    assert_eq!(checked.report.diagnoses[0].name(), "bias-added");
+    let verdicts = log.verdicts.lock().expect("no observer panics").clone();
+    let without_causes = Report {
+        diagnoses: Vec::new(),
+        ..checked.report
+    };
+    assert_eq!(verdicts, Some(without_causes));
+
+    let mut events = log.events();
+    // The first search has a time limit.
+    events.retain(|event| !event.starts_with("first causes: "));
+    let expected = [
+        "first contact:",
+        "offers raw coef rgb; undone in []",
+        "agenda",
+        "prioritized cases:",
+        "case",
+        "first search:",
+        "cases:",
+        "case",
+        "repeats:",
+        "repeat",
+        "report:",
+        "verdicts",
+        "search:",
+        "causes: bias-added",
+    ];
+    assert_eq!(events, expected);
+}
+
+#[test]
+fn common_transforms_are_undone_unless_all_answers_are_judged_as_they_are() {
+    let suite = suite_of_small_files();
+    let plan = plan(&suite);
+    let mistake = misreading("rows-top-down");
+    let decoder = |request: &Request<'_>, _: usize| Reply::from(answer_with(&[mistake], request));
+    let log = Log::default();
+    let undone = check(&Check::new(&suite, &plan), &decoder, &log).expect("a verdict");
+    assert_eq!(
+        log.events()[1],
+        "offers raw coef rgb; undone in [raw coef rgb]"
+    );
+    assert_eq!(undone.run.exit_status(), 1);
+    assert!(
+        undone.report.remarks[0]
+            .message
+            .contains("the rows are upside down")
+    );
+
+    let log = Log::default();
+    let as_they_are = check(&Check::of_answers(&suite, &plan), &decoder, &log).expect("a verdict");
+    let events = log.events();
+    assert_eq!(events[1], "offers raw coef rgb; undone in []");
+    assert_eq!(events.last().map(String::as_str), Some("verdicts"));
+    let failures = |report: &Report| report.with_outcome(Outcome::Fail).count();
+    assert!(failures(&as_they_are.report) > 2 * failures(&undone.report));
+}
+
+#[test]
+fn check_ends_if_the_verdicts_cannot_be_written() {
+    let mut suite = suite_of_small_files();
+    suite.cases.retain(|case| case.first);
+    let plan = RunPlan::new(&suite, 1);
+    let mistake = misreading("rows-top-down");
+    let decoder = |request: &Request<'_>, _: usize| Reply::from(answer_with(&[mistake], request));
+    let log = Log {
+        is_full: true,
+        ..Log::default()
+    };
+    let error = check(&Check::new(&suite, &plan), &decoder, &log).err();
+    assert_eq!(error, Some(Error::Observer("the disk is full".to_owned())));
+    assert_eq!(log.events().last().map(String::as_str), Some("verdicts"));
+}
