@@ -16,7 +16,7 @@ use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use super::{arguments::id_filter, calls::RunArgs, display::Display, output::jobs};
 use crate::pipeline::subject::OneShot;
 use crate::pipeline::{self, Check, Checked};
-use crate::report::html::Evidence;
+use crate::report::html::{self, Evidence};
 use crate::report::shards::Circumstances;
 use crate::runner::processes;
 use crate::runner::run::Decoder;
@@ -24,7 +24,7 @@ use crate::runner::template::Template;
 use crate::session::plan::{Repeat, RunPlan};
 use crate::writers::asking::{self, VALUES};
 use crate::writers::fitting::photographs::ImageSet;
-use crate::writers::test_case::{self, FileCase, RequestValues, WriteView};
+use crate::writers::test_case::{FileCase, RequestValues, WriteView};
 use ptm::Format;
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::request::Request;
@@ -137,7 +137,7 @@ fn check<V: RequestValues>(
     let report_writer = ReportWriter::new(suite, &args.run.report, &args.output)?;
     let display = Display::new(report_writer, None, None)?;
     let Checked { run, report, .. } = pipeline::check(&check, &subject, &display)?;
-    let evidence = Evidence::new(suite, &run, test_case::evidence);
+    let evidence = Evidence::new(suite, &run, html::file_evidence);
     Ok(display.finish(&run, report, &evidence)?)
 }
 

@@ -4,12 +4,10 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 use data_encoding::BASE64;
-use maud::{Markup, html};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
 use crate::diagnose::Diagnosis;
 use crate::pipeline::{Explain, FoundCauses};
-use crate::report::html::{download, standard_error};
 use crate::runner::write::Attachment;
 use crate::session::observation::{Observation, Response};
 use crate::session::run::Run;
@@ -22,9 +20,6 @@ use ptm_suite::dialect::{Choices, RightDialects};
 use ptm_suite::kit::digest::sha256;
 use ptm_suite::test_case::{Allowance, Comparison, TestCase};
 use ptm_suite::{features::Feature, name::SuiteName};
-
-/// Maximum number of bytes of a wrong file that a page displays.
-const MAX_DISPLAYED_BYTES: usize = 512;
 
 /// The only view of a writer: `write`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,7 +123,7 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
 }
 
 /// Returns the wrong file in an observation and the fault of this file. Returns `None` if there is no wrong file.
-pub(super) fn wrong_file<V: RequestValues>(
+pub fn wrong_file<V: RequestValues>(
     observation: Option<&Observation<FileCase<V>>>,
 ) -> Option<(&[u8], &WriterFault)> {
     match &observation?.response {
@@ -249,26 +244,6 @@ impl<V: RequestValues> TestCase for FileCase<V> {
             return "no legal file has these values".to_owned();
         };
         format!("{entries} distinct polynomials are more than two bytes can index")
-    }
-}
-
-/// Renders the evidence for a request, which has no table: the request and the written file.
-pub fn evidence<V: RequestValues>(
-    case: &FileCase<V>,
-    _: TableSpelling,
-    observation: &Observation<FileCase<V>>,
-) -> Markup {
-    let file = wrong_file(Some(observation)).map(|(file, _)| file);
-    let (caption, text) = V::describe(&case.values.build(case.format));
-    html! {
-        p.label { (caption) }
-        pre.bytes tabindex="0" { (text) }
-        @if let Some(file) = file {
-            p.label { "Written file, " (file.len()) " bytes" @if file.len() > MAX_DISPLAYED_BYTES { " (the beginning)" } }
-            pre.bytes tabindex="0" { (file[..file.len().min(MAX_DISPLAYED_BYTES)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
-            (download(&format!("{}.ptm", case.id), file))
-        }
-        @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
     }
 }
 

@@ -1,5 +1,6 @@
 //! Evidence for a failing case: texel values, images, bytes of the file, and a preview.
 
+use crate::writers::test_case::{FileCase, RequestValues, wrong_file};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -267,5 +268,28 @@ fn excerpt(file: &[u8], range: &Range<usize>) -> Markup {
             }
             @if range.start >= file.len() { span.offset { "the file ends here" } }
         }
+    }
+}
+
+/// Maximum number of bytes of a wrong file that a page displays.
+const MAX_DISPLAYED_BYTES: usize = 512;
+
+/// Renders the evidence for a request, which has no table: the request and the written file.
+pub fn file_evidence<V: RequestValues>(
+    case: &FileCase<V>,
+    _: TableSpelling,
+    observation: &Observation<FileCase<V>>,
+) -> Markup {
+    let file = wrong_file(Some(observation)).map(|(file, _)| file);
+    let (caption, text) = V::describe(&case.values.build(case.format));
+    html! {
+        p.label { (caption) }
+        pre.bytes tabindex="0" { (text) }
+        @if let Some(file) = file {
+            p.label { "Written file, " (file.len()) " bytes" @if file.len() > MAX_DISPLAYED_BYTES { " (the beginning)" } }
+            pre.bytes tabindex="0" { (file[..file.len().min(MAX_DISPLAYED_BYTES)].escape_ascii().to_string().replace("\\n", "\\n\n")) }
+            (download(&format!("{}.ptm", case.id), file))
+        }
+        @if !observation.stderr.is_empty() { (standard_error(&observation.stderr)) }
     }
 }

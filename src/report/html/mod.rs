@@ -16,8 +16,8 @@ mod scene;
 mod shell;
 
 pub(crate) use clause_map::ClauseTally;
-pub use evidence::{Evidence, case_evidence, question_evidence};
-pub(crate) use evidence::{download, number, standard_error};
+pub(crate) use evidence::number;
+pub use evidence::{Evidence, case_evidence, file_evidence, question_evidence};
 pub use matrix::matrix;
 pub use page::{page, page_without_images};
 pub use shell::STYLE;
