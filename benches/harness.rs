@@ -12,12 +12,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-use ptm_conform::pipeline::judge_answers;
-use ptm_conform::runner::processes;
-use ptm_conform::runner::run::Decoder;
-use ptm_conform::runner::scratch::Scratch;
-use ptm_conform::runner::serve::Servers;
-use ptm_conform::session::plan::{Repeat, RunPlan};
+use ptm_harness::pipeline::judge_answers;
+use ptm_harness::runner::processes;
+use ptm_harness::runner::run::Decoder;
+use ptm_harness::runner::scratch::Scratch;
+use ptm_harness::runner::serve::Servers;
+use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::request::{AttemptKind, Request};
 

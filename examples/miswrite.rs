@@ -9,9 +9,9 @@ use std::env;
 use std::path::Path;
 use std::process::ExitCode;
 
-use ptm_conform::writers::reference::{NotWritten, write_requested_file};
-use ptm_conform::writers::request::RequestHeader;
-use ptm_conform::writers::wrong_files::write_with_mistake;
+use ptm_writers::reference::{NotWritten, write_requested_file};
+use ptm_writers::request::RequestHeader;
+use ptm_writers::wrong_files::write_with_mistake;
 
 fn main() -> ExitCode {
     let words: Vec<String> = env::args().collect();

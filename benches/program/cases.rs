@@ -6,11 +6,12 @@ use std::sync::Mutex;
 
 use ptm::Format;
 use ptm::Reading;
-use ptm_conform::pipeline::{Check, Observer, check};
-use ptm_conform::session::{observation::Observation, plan::RunPlan, run::Run};
+use ptm_harness::pipeline::{Check, Observer, check};
+use ptm_harness::session::{plan::RunPlan, run::Run};
 use ptm_mistakes::answer;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::protocol::request::{Reply, Request};
+use ptm_suite::verdicts::observation::Observation;
 
 use crate::measure::{own_time, slope};
 

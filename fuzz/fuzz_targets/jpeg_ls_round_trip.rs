@@ -2,6 +2,6 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use ptm_conform::fuzz::properties;
+use ptm_harness::fuzz::properties;
 
 fuzz_target!(|bytes: &[u8]| properties::jpeg_ls_round_trip(bytes));

@@ -2,7 +2,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use ptm_conform::fuzz::properties;
+use ptm_harness::fuzz::properties;
 
 fuzz_target!(|bytes: &[u8]| {
     let Some((stream, width, _, samples)) = properties::jpeg_round_trip(bytes) else {

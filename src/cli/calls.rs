@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use clap::Args;
 
 use super::arguments::{parse_refusal, parse_size, positive_seconds};
-use crate::runner::{processes, run::Decoder};
+use ptm_harness::runner::{processes, run::Decoder};
 
 /// Flag that is set when the user ends a run.
 pub type StopFlag = Arc<AtomicBool>;

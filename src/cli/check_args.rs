@@ -9,9 +9,9 @@ use super::arguments::{id_filter, is_at_or_below, parse_refusal};
 use super::calls::{RunArgs, quote_command};
 use super::{CommandError, EXIT_NOTHING_SELECTED};
 use super::{ending::OutputArgs, names::did_you_mean};
-use crate::report::shards::Shard;
-use crate::runner::processes;
-use crate::session::plan::SAMPLE_INTERVAL;
+use ptm_harness::report::shards::Shard;
+use ptm_harness::runner::processes;
+use ptm_harness::session::plan::SAMPLE_INTERVAL;
 use ptm_suite::protocol::frame::ViewKind;
 use ptm_suite::{cases::Suite, test_case::TestCase};
 

@@ -1,7 +1,7 @@
 //! `ptm-conform check-writer`: runs a suite of requests, from first contact to the report and the likely causes.
 
-use crate::writers::cases::load_writer_requests;
-use crate::writers::fitting::cases::load_fitter_requests;
+use ptm_writers::cases::load_writer_requests;
+use ptm_writers::fitting::cases::load_fitter_requests;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -14,20 +14,20 @@ use super::guard::{ScratchGuard, stop_on_signals};
 use super::subject::{decoder_for_command, decoder_from_template};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use super::{arguments::id_filter, calls::RunArgs, display::Display, output::jobs};
-use crate::pipeline::subject::OneShot;
-use crate::pipeline::{self, Check, Checked};
 use crate::report::html::{self, Evidence};
-use crate::report::shards::Circumstances;
-use crate::runner::processes;
-use crate::runner::run::Decoder;
-use crate::runner::template::Template;
-use crate::session::plan::{Repeat, RunPlan};
-use crate::writers::asking::{self, VALUES};
-use crate::writers::fitting::photographs::ImageSet;
-use crate::writers::test_case::{FileCase, RequestValues, WriteView};
 use ptm::Format;
+use ptm_harness::pipeline::subject::OneShot;
+use ptm_harness::pipeline::{self, Check, Checked};
+use ptm_harness::report::shards::Circumstances;
+use ptm_harness::runner::processes;
+use ptm_harness::runner::run::Decoder;
+use ptm_harness::runner::template::Template;
+use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::request::Request;
+use ptm_writers::asking::{self, VALUES};
+use ptm_writers::fitting::photographs::ImageSet;
+use ptm_writers::test_case::{FileCase, RequestValues, WriteView};
 
 /// Check a program that writes PTM files and name the clauses that it gets wrong.
 ///

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::strength::{coverage::Coverage, matrix::matrix, smoke};
+use ptm_harness::strength::{coverage::Coverage, matrix::matrix, smoke};
 use ptm_suite::cases::Suite;
 use ptm_suite::kit::yaml::to_yaml;
 

@@ -9,16 +9,17 @@ use std::time::Duration;
 use super::ending::ReportWriter;
 use super::files::with_path;
 use super::progress::{self, ProgressLine};
-use crate::pipeline::recorder::ShardRecorder;
-use crate::pipeline::{Agenda, FoundCauses, Observer, Stage};
-use crate::report::document::{LikelyCause, Report};
 use crate::report::html::Evidence;
-use crate::report::shards::OtherRemarks;
 use crate::report::text::first_causes_to_text;
-use crate::session::asking::{ReplyTo, UndoneTransform};
-use crate::session::{contact::Contact, observation::Observation, run::Run};
+use ptm_harness::pipeline::recorder::ShardRecorder;
+use ptm_harness::pipeline::{Agenda, FoundCauses, Observer, Stage};
+use ptm_harness::report::document::{LikelyCause, Report};
+use ptm_harness::report::shards::OtherRemarks;
+use ptm_harness::session::asking::{ReplyTo, UndoneTransform};
+use ptm_harness::session::{contact::Contact, run::Run};
 use ptm_suite::protocol::request::Request;
 use ptm_suite::test_case::TestCase;
+use ptm_suite::verdicts::observation::Observation;
 
 /// Minimum estimated duration of a run. Shorter estimates are not announced.
 const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);

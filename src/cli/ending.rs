@@ -10,9 +10,10 @@ use super::files::{check_writable, with_path, write_atomically};
 use super::output::{print, print_error};
 use super::terminal::print_styled;
 use crate::report::html::{self, Evidence};
-use crate::report::{Report, baseline::Baseline, document::BaselineComparison};
-use crate::report::{github, junit, suite_texts::SuiteTexts};
-use crate::session::run::Run;
+use crate::report::{github, junit, text};
+use ptm_harness::report::suite_texts::SuiteTexts;
+use ptm_harness::report::{Report, baseline::Baseline, document::BaselineComparison};
+use ptm_harness::session::run::Run;
 use ptm_suite::{cases::Suite, test_case::TestCase};
 
 /// Options for other output formats and for lists of known failures.
@@ -119,7 +120,7 @@ impl<'a> ReportWriter<'a> {
         if let Some(why) = &run.ended_early {
             print_error(&format!("ptm-conform: {why}"));
         }
-        let text = report.to_text(&self.texts, self.args.show);
+        let text = text::report_to_text(&report, &self.texts, self.args.show);
         // A GitHub runner would interpret some output of a decoder as commands.
         print_styled(&match self.args.github {
             true => github::quote_commands(&text),

@@ -1,6 +1,6 @@
 //! `ptm-conform explain`: describes a case, clause, ruling, misreading or lint code, or lists all ids.
 
-use crate::writers::cases::load_writer_requests;
+use ptm_writers::cases::load_writer_requests;
 use std::collections::BTreeMap;
 #[cfg(unix)]
 use std::collections::HashMap;
@@ -16,19 +16,19 @@ use super::terminal::print_styled;
 use super::{
     CommandResult, arguments::is_at_or_below, links::page_line, names::did_you_mean, readers,
 };
-#[cfg(unix)]
-use crate::session::outcome::Outcome;
-#[cfg(unix)]
-use crate::strength::matrix::run_with_mistakes;
 use ptm::Format;
 use ptm_files::lint::codes::{self, Code};
 use ptm_files::readers::ReaderProfile;
+#[cfg(unix)]
+use ptm_harness::strength::matrix::run_with_mistakes;
 use ptm_mistakes::{Misreading, writing};
 use ptm_suite::address;
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::clauses::{self, Clause, Ruling, section_of};
 use ptm_suite::kit::digest::sha256;
 use ptm_suite::texture::cases as texture;
+#[cfg(unix)]
+use ptm_suite::verdicts::outcome::Outcome;
 use ptm_suite::{name::SuiteName, test_case::TestCase};
 
 /// Explain a case, a clause, a ruling, a misreading, a lint code or a public reader.

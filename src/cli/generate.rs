@@ -8,10 +8,10 @@ use clap::Args;
 use super::output::{jobs, print_note, with_progress};
 use super::{CommandResult, files};
 use super::{arguments::id_filter, names::did_you_mean};
-#[cfg(unix)]
-use crate::session::outputs;
 use ptm::Format;
 use ptm_files::profiles::{self, Profile};
+#[cfg(unix)]
+use ptm_harness::session::outputs;
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::corpus;
 #[cfg(unix)]

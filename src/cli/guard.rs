@@ -11,9 +11,9 @@ use std::time::Duration;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use signal_hook::consts::{SIGCHLD, SIGINT, SIGTERM, SIGXFSZ};
 
-use crate::runner::processes::{self, Children};
-use crate::runner::run::Decoder;
-use crate::runner::scratch::{Scratch, remove_directory};
+use ptm_harness::runner::processes::{self, Children};
+use ptm_harness::runner::run::Decoder;
+use ptm_harness::runner::scratch::{Scratch, remove_directory};
 
 /// Scratch directories of a run and a watcher process that cleans up if this process is killed.
 pub struct ScratchGuard {

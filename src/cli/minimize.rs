@@ -9,9 +9,9 @@ use super::guard::{ScratchGuard, check_for_trouble, stop_on_signals};
 use super::output::{bar, print};
 use super::{CommandResult, calls::CallArgs, files, fuzz::CALLS_TEMPLATE};
 
-use crate::diagnose::equal_up_to_rounding;
-use crate::fuzz::reduce;
 use ptm::reading::Reading;
+use ptm_harness::diagnose::equal_up_to_rounding;
+use ptm_harness::fuzz::reduce;
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Frame, View};

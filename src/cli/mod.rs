@@ -115,10 +115,10 @@ impl From<String> for CommandError {
 }
 
 #[cfg(unix)]
-impl From<crate::pipeline::Error> for CommandError {
-    fn from(error: crate::pipeline::Error) -> CommandError {
+impl From<ptm_harness::pipeline::Error> for CommandError {
+    fn from(error: ptm_harness::pipeline::Error) -> CommandError {
         match error {
-            crate::pipeline::Error::Trouble(trouble) => guard::trouble_message(&trouble),
+            ptm_harness::pipeline::Error::Trouble(trouble) => guard::trouble_message(&trouble),
             other => other.to_string(),
         }
         .into()

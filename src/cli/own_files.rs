@@ -4,9 +4,9 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::{fs, io};
 
-use crate::runner::run::Decoder;
-use crate::runner::scratch::Scratch;
-use crate::session::files::{FileResult, FilesReport, check_file};
+use ptm_harness::runner::run::Decoder;
+use ptm_harness::runner::scratch::Scratch;
+use ptm_harness::session::files::{FileResult, FilesReport, check_file};
 use ptm_suite::kit::yaml::to_yaml;
 use ptm_suite::protocol::frame::View;
 use ptm_suite::protocol::request::Request;

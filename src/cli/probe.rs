@@ -9,8 +9,8 @@ use clap::Args;
 use super::guard::{ScratchGuard, check_for_trouble};
 use super::terminal::print_styled;
 use super::{CommandResult, arguments::positive_seconds, calls::quote_command};
-use crate::runner::{processes, run::Decoder};
-use crate::session::probe::{Reproduction, probe};
+use ptm_harness::runner::{processes, run::Decoder};
+use ptm_harness::session::probe::{Reproduction, probe};
 
 /// Test a new wrapper step by step and say what to fix.
 ///
@@ -55,7 +55,7 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     program.timeout = positive_seconds(args.timeout)?;
     let guarded = ScratchGuard::new()?;
     let list = match args.writer {
-        true => crate::writers::probe::probe(&program, &guarded.scratch)?,
+        true => ptm_writers::probe::probe(&program, &guarded.scratch)?,
         false => probe(&args.decoder, &program, &guarded.scratch),
     };
     check_for_trouble(&program)?;

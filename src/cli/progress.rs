@@ -8,8 +8,8 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use crate::diagnose::MAX_WORK;
 use indicatif::ProgressBar;
+use ptm_harness::diagnose::MAX_WORK;
 
 use super::output::{bar, is_quiet, print_error};
 

@@ -3,13 +3,13 @@
 use std::io::{self, BufRead, Write};
 use std::path::{Path, PathBuf};
 
-use crate::writers::fitting::optimum::optimum;
-use crate::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
-use crate::writers::reference::{self, NotWritten};
-use crate::writers::request::{RequestHeader, WriteRequest};
 use ptm::Format;
 use ptm::error::Class;
 use ptm_suite::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED, Frame, View, write_view};
+use ptm_writers::fitting::optimum::optimum;
+use ptm_writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
+use ptm_writers::reference::{self, NotWritten};
+use ptm_writers::request::{RequestHeader, WriteRequest};
 
 use super::{CommandError, CommandResult, files};
 

@@ -1,7 +1,7 @@
 //! `ptm-conform report`: displays, compares, merges and converts existing reports.
 
-use crate::writers::cases::load_writer_requests;
-use crate::writers::fitting::cases::load_fitter_requests;
+use ptm_writers::cases::load_writer_requests;
+use ptm_writers::fitting::cases::load_fitter_requests;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
@@ -10,13 +10,14 @@ use maud::Markup;
 use super::arguments::id_filter;
 use super::ending::{OutputArgs, ReportWriter};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
-use crate::pipeline::merge::RecordedAnswers;
-use crate::pipeline::{Checked, Explain, Observer};
 use crate::report::html::{self, Evidence};
-use crate::report::{Report, badge, github, junit, suite_texts::SuiteTexts};
-use crate::session::observation::Observation;
+use crate::report::{badge, github, junit, text};
+use ptm_harness::pipeline::merge::RecordedAnswers;
+use ptm_harness::pipeline::{Checked, Explain, Observer};
+use ptm_harness::report::{Report, suite_texts::SuiteTexts};
 use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::kit::escape_controls;
+use ptm_suite::verdicts::observation::Observation;
 use ptm_suite::{name::SuiteName, test_case::TestCase};
 
 /// Show, compare, merge and convert reports of check.
@@ -174,8 +175,8 @@ fn convert(command: &ReportCommand, reports: &[Report], texts: &SuiteTexts) -> C
         }
         ReportCommand::Show { cases, show, .. } => {
             let text = match &cases[..] {
-                [] => report.to_text(texts, *show),
-                cases => report.cases_to_text(texts, id_filter(cases)?),
+                [] => text::report_to_text(report, texts, *show),
+                cases => text::cases_to_text(report, texts, id_filter(cases)?),
             };
             if text.is_empty() {
                 let says = "no case in the report matches the pattern";

@@ -6,12 +6,12 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-use crate::report::words::CALLER_COMMAND;
-use crate::runner::caller::Caller;
-use crate::runner::run::Decoder;
-use crate::runner::scratch::Scratch;
-use crate::runner::template::Template;
-use crate::session::outputs::Outputs;
+use ptm_harness::report::words::CALLER_COMMAND;
+use ptm_harness::runner::caller::Caller;
+use ptm_harness::runner::run::Decoder;
+use ptm_harness::runner::scratch::Scratch;
+use ptm_harness::runner::template::Template;
+use ptm_harness::session::outputs::Outputs;
 use ptm_suite::cases::{Case, Expect, Suite};
 use ptm_suite::protocol::capabilities::Capabilities;
 use ptm_suite::protocol::frame::ViewKind;

@@ -2,9 +2,9 @@
 
 use maud::html;
 
-use crate::report::document::Report;
-use crate::session::scores::Fraction;
+use ptm_harness::report::document::Report;
 use ptm_suite::name::SuiteName;
+use ptm_suite::verdicts::scores::Fraction;
 
 /// Width of a letter in tenths of a pixel. The `textLength` attribute enforces this width in every font.
 const LETTER_WIDTH: usize = 59;

@@ -4,9 +4,9 @@
 
 use std::fmt::{self, Write};
 
-use crate::report::document::{CaseResult, LikelyCause, Report};
-use crate::session::outcome::Outcome;
+use ptm_harness::report::document::{CaseResult, LikelyCause, Report};
 use ptm_suite::address::published_url;
+use ptm_suite::verdicts::outcome::Outcome;
 
 /// Maximum number of errors that a runner displays for a step.
 const MAX_ANNOTATIONS: usize = 10;

@@ -5,9 +5,9 @@
 
 use maud::{Markup, PreEscaped, html};
 
-use crate::report::document::{CaseResult, Report};
-use crate::session::outcome::Outcome;
+use ptm_harness::report::document::{CaseResult, Report};
 use ptm_suite::clauses::section_of;
+use ptm_suite::verdicts::outcome::Outcome;
 
 /// Test: its class, its name, the name and markup of its result element (`None` if it passed), and its standard error.
 type Test<'a> = (String, String, Option<(&'static str, Markup)>, &'a str);

@@ -1,20 +1,8 @@
-//! Reports and all other text that a user of `check` reads.
-//!
-//! A report is plain data ([`document`]). YAML, text and the other output formats are generated from it and work for all suites.
+//! The forms of a report: terminal, HTML, `JUnit`, GitHub and a badge. Each is a function of a
+//! [`Report`](ptm_harness::report::Report).
 
 pub mod badge;
-pub mod baseline;
-mod diff;
-pub mod document;
 pub mod github;
 pub mod html;
 pub mod junit;
-mod leniency;
-pub(crate) mod make;
-pub mod shards;
-pub mod suite_texts;
 pub mod text;
-pub mod words;
-mod yaml;
-
-pub use document::Report;

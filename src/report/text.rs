@@ -3,13 +3,14 @@
 use std::collections::BTreeMap;
 use std::fmt::{self, Write};
 
-use crate::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
-use crate::report::leniency::Leniency;
-use crate::report::suite_texts::SuiteTexts;
-use crate::report::words::{call_instructions, details};
-use crate::session::{outcome::Outcome, run::Run};
+use ptm_harness::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
+use ptm_harness::report::leniency::Leniency;
+use ptm_harness::report::suite_texts::SuiteTexts;
+use ptm_harness::report::words::{call_instructions, details};
+use ptm_harness::session::run::Run;
 use ptm_suite::kit::last_message::quote_last_message;
 use ptm_suite::test_case::TestCase;
+use ptm_suite::verdicts::outcome::Outcome;
 
 /// Maximum number of example failures for a misreading in the catalog.
 const MAX_MISREADING_EXAMPLES: usize = 2;
@@ -17,43 +18,32 @@ const MAX_MISREADING_EXAMPLES: usize = 2;
 /// Maximum number of example failures for any other cause.
 const MAX_OTHER_EXAMPLES: usize = 1;
 
-impl Report {
-    /// Formats the report for a terminal. At most `max_failures` unexplained failures are described in full.
-    #[must_use]
-    pub fn to_text(&self, texts: &SuiteTexts, max_failures: usize) -> String {
-        let mut text = String::new();
-        let page = Page {
-            report: self,
-            texts,
-            failing: self.with_outcome(Outcome::Fail).collect(),
-        };
-        let written = page.write(max_failures, &mut text);
-        written.expect("writing to memory does not fail");
-        text
-    }
+/// Formats a report for a terminal. At most `max_failures` unexplained failures are described in full.
+#[must_use]
+pub fn report_to_text(report: &Report, texts: &SuiteTexts, max_failures: usize) -> String {
+    let mut text = String::new();
+    let page = Page {
+        report,
+        texts,
+        failing: report.with_outcome(Outcome::Fail).collect(),
+    };
+    let written = page.write(max_failures, &mut text);
+    written.expect("writing to memory does not fail");
+    text
+}
 
-    /// Formats the results of the cases whose ids satisfy `is_selected`.
-    #[must_use]
-    pub fn cases_to_text(&self, texts: &SuiteTexts, is_selected: impl Fn(&str) -> bool) -> String {
-        let mut text = String::new();
-        for case in self.cases.iter().filter(|case| is_selected(&case.id)) {
-            write_case(case, texts, &mut text).expect("writing to memory does not fail");
-        }
-        text
+/// Formats the results of the cases whose ids satisfy `is_selected`.
+#[must_use]
+pub fn cases_to_text(
+    report: &Report,
+    texts: &SuiteTexts,
+    is_selected: impl Fn(&str) -> bool,
+) -> String {
+    let mut text = String::new();
+    for case in report.cases.iter().filter(|case| is_selected(&case.id)) {
+        write_case(case, texts, &mut text).expect("writing to memory does not fail");
     }
-
-    /// Returns the number of cases with each outcome, as a comma-separated list.
-    #[must_use]
-    pub fn counts(&self) -> String {
-        let mut counts = Vec::new();
-        for outcome in Outcome::ALL {
-            match self.with_outcome(outcome).count() {
-                0 => {}
-                count => counts.push(format!("{count} {outcome}")),
-            }
-        }
-        counts.join(", ")
-    }
+    text
 }
 
 /// Minimum number of failures that a cause must explain to be reported during a run.

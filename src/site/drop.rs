@@ -12,9 +12,9 @@ use sha2::{Digest, Sha256};
 
 use super::page::{PageContext, SiteFile};
 use crate::report::html::STYLE;
-use crate::session::lit_scene;
 use ptm::Format;
 use ptm_generate::spelling::Count;
+use ptm_harness::session::lit_scene;
 use ptm_suite::cases::TableSpelling;
 
 /// Commands that build the site with this page.

@@ -5,7 +5,7 @@ use maud::html;
 use super::images;
 use super::overview;
 use super::page::{PageContext, SiteFile};
-use crate::session::lit_scene::ball;
+use ptm_harness::session::lit_scene::ball;
 
 /// URL of an archived copy of the specification.
 const SPECIFICATION: &str =

@@ -5,10 +5,10 @@ use std::fmt::Write as _;
 
 use serde::Deserialize;
 
-use crate::session::outcome::Outcome;
 use ptm_files::readers::{ReaderProfile, profiles};
 use ptm_mistakes::Misreading;
 use ptm_suite::kit::yaml::from_files;
+use ptm_suite::verdicts::outcome::Outcome;
 
 /// Run of the suite against a public reader.
 #[derive(Clone, Debug, Deserialize)]

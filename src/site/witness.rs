@@ -2,8 +2,8 @@
 
 use std::collections::HashMap;
 
-use crate::diagnose::can_affect_file;
 use ptm::reading::Reading;
+use ptm_harness::diagnose::can_affect_file;
 use ptm_mistakes::{Misreading, answer};
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::choices::CHOICES;

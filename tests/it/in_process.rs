@@ -2,9 +2,9 @@
 
 use ptm::Format;
 use ptm::Reading;
-use ptm_conform::pipeline::judge_answers;
-use ptm_conform::session::plan::RunPlan;
-use ptm_conform::session::run::Run;
+use ptm_harness::pipeline::judge_answers;
+use ptm_harness::session::plan::RunPlan;
+use ptm_harness::session::run::Run;
 use ptm_mistakes::formula::Edit;
 use ptm_mistakes::{Change, Misreading, Symptom};
 use ptm_suite::cases::{Case, Suite, TableSpelling};

@@ -72,7 +72,6 @@ pub fn render(misreadings: &[&Misreading], reading: &Reading, ptm: &Ptm, view: &
 }
 
 /// Computes the samples in `view` for a decoder with these mistakes. Colors are not rounded.
-#[cfg(unix)]
 #[must_use]
 pub fn unrounded_values(
     misreadings: &[&Misreading],

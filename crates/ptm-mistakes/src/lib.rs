@@ -66,7 +66,6 @@ pub use crate::formula::Stage;
 pub use anatomy::{Anatomy, EditedFile};
 pub use answer::answer;
 pub use answer::read;
-#[cfg(unix)]
 pub use answer::{apply_to_reading, render, unrounded_values};
 pub use answer::{formula_edits, plane_edits};
 pub use catalog::{all, behaviors, find};

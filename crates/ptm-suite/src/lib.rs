@@ -13,7 +13,6 @@ pub mod features;
 pub mod kit;
 mod load;
 pub mod name;
-#[cfg(unix)]
 pub mod origin;
 pub mod protocol;
 mod ptm_case;
@@ -22,6 +21,7 @@ mod record;
 pub mod test_case;
 pub mod texture;
 pub mod values;
+pub mod verdicts;
 pub mod words;
 
 pub use error::{Error, Result};

@@ -4,12 +4,12 @@ use std::collections::HashMap;
 
 use maud::{Markup, html};
 
-use crate::report::document::{CaseResult, LikelyCause, Report};
 use crate::report::html::evidence::standard_error;
 use crate::report::html::shell::{link, mark};
-use crate::report::suite_texts::SuiteTexts;
-use crate::session::outcome::Outcome;
+use ptm_harness::report::document::{CaseResult, LikelyCause, Report};
+use ptm_harness::report::suite_texts::SuiteTexts;
 use ptm_suite::name::SuiteName;
+use ptm_suite::verdicts::outcome::Outcome;
 
 /// Maximum number of bytes of markup for the evidence of all failing cases: images, files, excerpts, previews and standard
 /// error. Evidence that does not fit is omitted, and the page mentions the omission.

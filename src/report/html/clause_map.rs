@@ -4,10 +4,11 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use crate::report::{document::Report, html::shell::link};
-use crate::session::outcome::Outcome;
+use crate::report::html::shell::link;
+use ptm_harness::report::document::Report;
 use ptm_suite::clauses::{Clause, ClauseStatus, section_of};
 use ptm_suite::name::SuiteName;
+use ptm_suite::verdicts::outcome::Outcome;
 
 /// Results of a run for one clause.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -2,10 +2,10 @@
 
 use maud::{Markup, html};
 
-use crate::report::document::{LikelyCause, Report};
 use crate::report::html::{cases::Group, shell::link};
-use crate::report::words::{call_instructions, details};
-use crate::session::outcome::Outcome;
+use ptm_harness::report::document::{LikelyCause, Report};
+use ptm_harness::report::words::{call_instructions, details};
+use ptm_suite::verdicts::outcome::Outcome;
 use ptm_suite::{address::published_url, clauses::Clause};
 
 /// Renders the causes, sorted by the number of cases that each explains.

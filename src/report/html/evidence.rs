@@ -1,20 +1,19 @@
 //! Evidence for a failing case: texel values, images, bytes of the file, and a preview.
 
-use crate::writers::test_case::{FileCase, RequestValues, wrong_file};
+use ptm_writers::test_case::{FileCase, RequestValues, wrong_file};
 use std::collections::HashMap;
 use std::ops::Range;
 
 use data_encoding::BASE64;
 use maud::{Markup, html};
 
-use crate::diagnose::arithmetic_steps;
 use crate::report::html::figures::{self, Position};
 use crate::report::html::preview;
-use crate::session::lit_scene::LitScene;
-use crate::session::observation::{Observation, Response};
-use crate::session::run::Run;
 use ptm::decode::decode;
 use ptm::{Shape, channel_name};
+use ptm_harness::diagnose::arithmetic_steps;
+use ptm_harness::session::lit_scene::LitScene;
+use ptm_harness::session::run::Run;
 use ptm_suite::cases::{Built, Case, Suite, TableSpelling};
 use ptm_suite::compare::{Difference, Expected};
 use ptm_suite::dialect::RightDialects;
@@ -22,6 +21,7 @@ use ptm_suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
 use ptm_suite::protocol::frame::{Frame, View, ViewKind};
 use ptm_suite::test_case::TestCase;
 use ptm_suite::texture::cases::TextureCase;
+use ptm_suite::verdicts::observation::{Observation, Response};
 
 /// What a page shows of a run, in addition to the report.
 pub struct Evidence<'a> {

@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use crate::report::document::{LikelyCause, Report};
 use crate::report::html::clause_map::{group_by_section, tallies};
 use crate::report::html::shell::{complete_page, link, verdict_mark};
+use ptm_harness::report::document::{LikelyCause, Report};
 use ptm_suite::clauses::Clause;
 
 /// Renders a table with one column per report and one row per clause that a case tests. All reports must be for the same suite,

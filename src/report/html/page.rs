@@ -2,14 +2,15 @@
 
 use maud::{Markup, html};
 
-use crate::report::document::{CaseResult, Report};
 use crate::report::html::cases::{EvidenceMarkup, Group, evidence, failures, groups};
 use crate::report::html::diagnosis::{diagnosis, next_steps};
 use crate::report::html::evidence::Evidence;
 use crate::report::html::shell::{complete_page, link, mark, verdict_mark};
 use crate::report::html::{clause_map, scene};
-use crate::report::suite_texts::SuiteTexts;
-use crate::session::{lit_scene::LitScene, outcome::Outcome, scores::Fraction};
+use ptm_harness::report::document::{CaseResult, Report};
+use ptm_harness::report::suite_texts::SuiteTexts;
+use ptm_harness::session::lit_scene::LitScene;
+use ptm_suite::verdicts::{outcome::Outcome, scores::Fraction};
 use ptm_suite::{address::SITE, clauses::Ruling};
 
 /// Renders the page of a report, with images of the responses.

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::html::compare::ComparedImages;
-use crate::session::lit_scene::{LIGHT, LitScene, SIDE};
+use ptm_harness::session::lit_scene::{LIGHT, LitScene, SIDE};
 
 /// Maximum mean difference between the samples of two images that look the same.
 const MAX_INVISIBLE_DIFFERENCE: f64 = 3.0;

@@ -4,8 +4,8 @@ use data_encoding::BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
-use crate::session::outcome::Outcome;
 use ptm_suite::address::published_url;
+use ptm_suite::verdicts::outcome::Outcome;
 
 /// Style sheet of the reports and of the site.
 pub const STYLE: &str = include_str!("style.css");

@@ -5,16 +5,17 @@ use std::collections::HashMap;
 use ptm::Format;
 use ptm::Reading;
 use ptm::decode::lookup_table::read_newline_separator;
-use ptm_conform::diagnose::{
+use ptm_harness::diagnose::{
     Cause, Diagnosis, assume, can_affect_file, can_combine, diagnose, diagnose_among,
 };
-use ptm_conform::session::{outcome::Outcome, run::Run};
-use ptm_conform::strength::matrix::run_with_mistakes;
+use ptm_harness::session::run::Run;
+use ptm_harness::strength::matrix::run_with_mistakes;
 use ptm_mistakes::formula::Edit;
 use ptm_mistakes::{Change, Misreading, Step};
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use ptm_suite::protocol::request::Request;
+use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::in_process::{
     answer_with, formula_misreading, jobs, misreading, reference_answer, run_all, suite,

@@ -7,16 +7,16 @@ use std::collections::HashMap;
 
 use crate::in_process::{reference_answer, suite};
 use crate::recordings::{digest, folder, recorded_answers};
-use ptm_conform::diagnose::{Cause, diagnose, diagnose_among};
-use ptm_conform::pipeline::judge_answers;
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::Run;
+use ptm_harness::diagnose::{Cause, diagnose, diagnose_among};
+use ptm_harness::pipeline::judge_answers;
+use ptm_harness::session::plan::{Repeat, RunPlan};
+use ptm_harness::session::run::Run;
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::kit::yaml;
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{Reply, Request};
+use ptm_suite::verdicts::outcome::Outcome;
 use serde::Deserialize;
 
 /// A decoder, with statements that must and must not be made about it.

@@ -1,7 +1,7 @@
 //! Tests that the search for causes does a bounded amount of work for any decoder.
 
 use ptm::Reading;
-use ptm_conform::diagnose::{Cause, diagnose};
+use ptm_harness::diagnose::{Cause, diagnose};
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use ptm_suite::protocol::request::Request;
 

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use proptest::prelude::*;
-use ptm_conform::fuzz::properties;
+use ptm_harness::fuzz::properties;
 
 use crate::repository::files_below;
 

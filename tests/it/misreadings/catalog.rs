@@ -4,11 +4,11 @@ use std::collections::{HashMap, HashSet};
 use std::fs;
 use std::path::Path;
 
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::strength::matrix::{MatrixRow, matrix, run_with_mistakes};
+use ptm_harness::strength::matrix::{MatrixRow, matrix, run_with_mistakes};
 use ptm_mistakes::Change;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::clauses::{self, ClauseStatus, RulingKind};
+use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::in_process::{jobs, suite, suite_of_small_files};
 use crate::table::rows;

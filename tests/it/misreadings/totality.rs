@@ -6,7 +6,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use ptm::Reading;
 use ptm::decode::fields;
-use ptm_conform::fuzz::generator;
+use ptm_harness::fuzz::generator;
 use ptm_mistakes::{Misreading, answer};
 use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::protocol::frame::View;

@@ -4,19 +4,19 @@
 
 use std::sync::Mutex;
 
-use ptm_conform::pipeline::{Agenda, Check, Error, FoundCauses, Observer, Stage, check};
-use ptm_conform::report::Report;
-use ptm_conform::report::document::LikelyCause;
-use ptm_conform::report::shards::OtherRemarks;
-use ptm_conform::session::asking::UndoneTransform;
-use ptm_conform::session::contact::Contact;
-use ptm_conform::session::observation::Observation;
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::Run;
-use ptm_conform::strength::smoke;
+use ptm_harness::pipeline::{Agenda, Check, Error, FoundCauses, Observer, Stage, check};
+use ptm_harness::report::Report;
+use ptm_harness::report::document::LikelyCause;
+use ptm_harness::report::shards::OtherRemarks;
+use ptm_harness::session::asking::UndoneTransform;
+use ptm_harness::session::contact::Contact;
+use ptm_harness::session::plan::{Repeat, RunPlan};
+use ptm_harness::session::run::Run;
+use ptm_harness::strength::smoke;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::protocol::request::{Reply, Request};
+use ptm_suite::verdicts::observation::Observation;
+use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::in_process::{answer_with, jobs, misreading, suite_of_small_files};
 

@@ -9,7 +9,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use flate2::read::GzDecoder;
-use ptm_conform::report::shards::RecordedAnswer;
+use ptm_harness::report::shards::RecordedAnswer;
 use ptm_suite::kit::digest::sha256;
 use ptm_suite::protocol::frame::Frame;
 use ptm_suite::protocol::request::AttemptKind;

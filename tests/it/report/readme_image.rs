@@ -6,8 +6,8 @@ use std::path::Path;
 use crate::common::repository;
 use ptm::Format;
 use ptm::Reading;
-use ptm_conform::session::lit_scene::{SIDE, file, frame_to_image};
 use ptm_generate::spelling::Count;
+use ptm_harness::session::lit_scene::{SIDE, file, frame_to_image};
 use ptm_mistakes::Misreading;
 use ptm_suite::protocol::frame::{Answer, View};
 

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ptm_conform::strength::smoke;
 use ptm_files::profiles::Profile;
+use ptm_harness::strength::smoke;
 use ptm_suite::cases::Suite;
 use ptm_suite::texture::cases as texture;
 

@@ -7,14 +7,15 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant, SystemTime};
 
-use ptm_conform::pipeline::{Check, Observer, check};
-use ptm_conform::report::Report;
-use ptm_conform::runner::run::Decoder;
-use ptm_conform::runner::{scratch::Scratch, serve::Servers};
-use ptm_conform::session::{observation::Observation, plan::RunPlan};
+use ptm_harness::pipeline::{Check, Observer, check};
+use ptm_harness::report::Report;
+use ptm_harness::runner::run::Decoder;
+use ptm_harness::runner::{scratch::Scratch, serve::Servers};
+use ptm_harness::session::plan::RunPlan;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::kit::yaml::from_yaml;
 use ptm_suite::protocol::request::Request;
+use ptm_suite::verdicts::observation::Observation;
 use serde_json::Value;
 
 use crate::common::{

@@ -5,15 +5,15 @@ use std::borrow::Cow;
 use ptm::Reading;
 use ptm::Size;
 use ptm::decode::predict::predict_without_offset;
-use ptm_conform::report::Report;
-use ptm_conform::session::dialect::Certainty;
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::session::plan::RunPlan;
-use ptm_conform::session::run::Run;
+use ptm_harness::report::Report;
+use ptm_harness::session::plan::RunPlan;
+use ptm_harness::session::run::Run;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::choices::CHOICES;
 use ptm_suite::protocol::frame::{Answer, Samples};
 use ptm_suite::protocol::request::Request;
+use ptm_suite::verdicts::dialect::Certainty;
+use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::in_process::{self, jobs, misreading, reference_answer, suite_of_small_files};
 

@@ -4,10 +4,10 @@
 
 use std::collections::HashMap;
 
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::session::plan::RunPlan;
+use ptm_harness::session::plan::RunPlan;
 use ptm_suite::cases::{Case, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Frame};
+use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::in_process::{self, jobs, reference_answer, suite};
 use crate::recordings::{digest, recording};

@@ -7,15 +7,15 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-use ptm_conform::pipeline::{Check, Observer, check, judge_answers};
-use ptm_conform::report::Report;
-use ptm_conform::session::observation::Observation;
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::Run;
+use ptm_harness::pipeline::{Check, Observer, check, judge_answers};
+use ptm_harness::report::Report;
+use ptm_harness::session::plan::{Repeat, RunPlan};
+use ptm_harness::session::run::Run;
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Samples, TimeLimit};
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
+use ptm_suite::verdicts::observation::Observation;
+use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::common::{CheckRun, Workspace, assert_conforms, assert_contains, zoo};
 use crate::in_process::{self, reference_answer};

@@ -1,17 +1,19 @@
 //! Verdicts of a run: the table of outcomes, unsupported features, and limits.
 
+use ptm_conform::report::text::report_to_text;
 use std::time::Duration;
 
 use ptm::Format;
-use ptm_conform::pipeline::judge_answers;
-use ptm_conform::report::Report;
-use ptm_conform::report::{html, junit, suite_texts::SuiteTexts};
-use ptm_conform::session::outcome::{Outcome, ResponseKind, outcome};
-use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::Run;
+use ptm_conform::report::{html, junit};
+use ptm_harness::pipeline::judge_answers;
+use ptm_harness::report::Report;
+use ptm_harness::report::suite_texts::SuiteTexts;
+use ptm_harness::session::plan::{Repeat, RunPlan};
+use ptm_harness::session::run::Run;
 use ptm_suite::cases::{Case, Expect, Suite};
 use ptm_suite::protocol::frame::{Answer, TimeLimit};
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
+use ptm_suite::verdicts::outcome::{Outcome, ResponseKind, outcome};
 
 use crate::common::repository_text;
 use crate::in_process::{self, reference_answer, suite};
@@ -211,7 +213,7 @@ fn three_timeouts_end_a_run_for_any_number_of_jobs() {
             &report,
             &html::Evidence::new(&suite, &run, html::case_evidence),
         );
-        let text = report.to_text(&texts, 10);
+        let text = report_to_text(&report, &texts, 10);
         for (form, text) in [("text", &text), ("JUnit", &xml), ("HTML", &page)] {
             let why = "the run ended early: the decoder exceeds the time limit of 30 s (`--timeout`) on three legal files in a row; ";
             let count = format!("{} cases were not run", not_run.len());

@@ -4,10 +4,9 @@
 
 use std::collections::HashMap;
 
-use ptm_conform::pipeline::judge_answers;
-use ptm_conform::session::outcome::Outcome;
-use ptm_conform::session::plan::{Repeat, RunPlan};
-use ptm_conform::session::run::Run;
+use ptm_harness::pipeline::judge_answers;
+use ptm_harness::session::plan::{Repeat, RunPlan};
+use ptm_harness::session::run::Run;
 use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{Reply, Request};
@@ -16,6 +15,7 @@ use ptm_suite::texture::cases::TextureCase;
 use ptm_suite::texture::choices::CHOICES;
 use ptm_suite::texture::compare::ExpectedAnswer;
 use ptm_suite::texture::test_case::TextureView;
+use ptm_suite::verdicts::outcome::Outcome;
 use ptm_texture::Rules;
 use serde_json::Value;
 

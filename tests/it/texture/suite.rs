@@ -2,11 +2,11 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use ptm_conform::diagnose::{Cause, texture::diagnose};
-use ptm_conform::pipeline::judge_answers;
-use ptm_conform::session::run::Run;
-use ptm_conform::session::{outcome::Outcome, plan::RunPlan};
-use ptm_conform::strength::matrix::texture_matrix;
+use ptm_harness::diagnose::{Cause, texture::diagnose};
+use ptm_harness::pipeline::judge_answers;
+use ptm_harness::session::plan::RunPlan;
+use ptm_harness::session::run::Run;
+use ptm_harness::strength::matrix::texture_matrix;
 use ptm_mistakes::texture as misreadings;
 use ptm_suite::cases::Suite;
 use ptm_suite::clauses::{ClauseStatus, Ruling, RulingKind};
@@ -17,6 +17,7 @@ use ptm_suite::texture::cases::{self, Basis, TextureCase};
 use ptm_suite::texture::question::{OPERATIONS, Question, Refusal};
 use ptm_suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
 use ptm_suite::texture::{test_case::TextureView, verify::verify};
+use ptm_suite::verdicts::outcome::Outcome;
 use ptm_texture::{Boundary, ClampMethod, RenderingControl, Rules};
 use serde_json::Value;
 

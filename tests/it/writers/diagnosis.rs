@@ -1,22 +1,21 @@
 //! Tests that the mistakes of writers are diagnosed with the catalog of misreadings.
 
-use ptm_conform::writers::cases::load_writer_requests;
+use ptm_writers::cases::load_writer_requests;
 use std::collections::HashMap;
 
 use ptm::Format;
-use ptm_conform::diagnose::Cause;
-use ptm_conform::pipeline::judge_answers;
-use ptm_conform::session::{outcome::Outcome, plan::RunPlan};
-use ptm_conform::writers::request::{RequestHeader, WriteRequest};
-use ptm_conform::writers::test_case::{WriteView, WrittenFile};
-use ptm_conform::writers::wrong_files::write_with_mistake;
-use ptm_conform::writers::{
-    cases::WriterCase, diagnose::diagnose, reference::write_requested_file,
-};
+use ptm_harness::diagnose::Cause;
+use ptm_harness::pipeline::judge_answers;
+use ptm_harness::session::plan::RunPlan;
 use ptm_mistakes::writing::{self, WriterMistake};
 use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{Reply, Request};
+use ptm_suite::verdicts::outcome::Outcome;
+use ptm_writers::request::{RequestHeader, WriteRequest};
+use ptm_writers::test_case::{WriteView, WrittenFile};
+use ptm_writers::wrong_files::write_with_mistake;
+use ptm_writers::{cases::WriterCase, diagnose::diagnose, reference::write_requested_file};
 
 use crate::common::{Workspace, edit, have_tool, repository_text, rows};
 

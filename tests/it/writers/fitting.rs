@@ -5,11 +5,11 @@ use std::path::Path;
 
 use ptm::Format;
 use ptm::decode;
-use ptm_conform::writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
-use ptm_conform::writers::fitting::polynomials::Polynomials;
-use ptm_conform::writers::fitting::sets::SETS;
-use ptm_conform::writers::fitting::{judge::judge, optimum::optimum};
-use ptm_conform::writers::{reference::write_requested_file, request::WriteRequest};
+use ptm_writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
+use ptm_writers::fitting::polynomials::Polynomials;
+use ptm_writers::fitting::sets::SETS;
+use ptm_writers::fitting::{judge::judge, optimum::optimum};
+use ptm_writers::{reference::write_requested_file, request::WriteRequest};
 
 use crate::common::{
     Workspace, check_writer, edit, have_python, python_example, repository, repository_text, rows,

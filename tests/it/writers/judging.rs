@@ -1,9 +1,9 @@
 //! Tests that the judge accepts correct files and describes the faults of wrong ones.
 
-use ptm_conform::writers::cases::load_writer_requests;
-use ptm_conform::writers::request::{RequestHeader, WriteRequest};
-use ptm_conform::writers::{cases::WriterCase, judge::judge, reference::write_requested_file};
 use ptm_suite::cases::{Expect, Suite};
+use ptm_writers::cases::load_writer_requests;
+use ptm_writers::request::{RequestHeader, WriteRequest};
+use ptm_writers::{cases::WriterCase, judge::judge, reference::write_requested_file};
 
 use crate::common::assert_conforms;
 

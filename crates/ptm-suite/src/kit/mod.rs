@@ -1,7 +1,6 @@
 //! Utilities that several modules share: threads, digests, YAML, messages of crashed programs.
 
 pub mod digest;
-#[cfg(unix)]
 pub mod last_message;
 pub mod parallel;
 pub mod yaml;

@@ -1,0 +1,72 @@
+//! Finds the misreadings that explain the failures of a texture stage.
+//!
+//! A misreading explains a failure if a stage that makes this mistake returns the received answer. A passing case contradicts a
+//! misreading if such a stage would fail the case. A misreading is reported only if it explains more cases than contradict it.
+
+use serde_json::Value;
+
+use super::cover::{CoverCandidate, cover};
+use super::diagnosis::Diagnosis;
+use crate::session::run::Run;
+use ptm_mistakes::texture::{Change, all};
+use ptm_suite::cases::{Expect, Suite};
+use ptm_suite::protocol::frame::Answer;
+use ptm_suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
+use ptm_suite::verdicts::{observation::Response, outcome::Outcome};
+use ptm_suite::{test_case::TestCase, texture::cases::TextureCase};
+use ptm_texture::Rules;
+
+/// Returns a small set of misreadings that explains the failures of `run`. The one that explains the most failures is first.
+#[must_use]
+pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagnosis<Change>> {
+    let mut failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
+    let passing: Vec<usize> = run.judgment.with_outcome(Outcome::Pass).collect();
+    let inferred = CHOICES.apply(&run.judgment.dialect, Rules::SPEC);
+    let candidates = all().filter_map(|misreading| {
+        let rules = misreading.apply_to(inferred);
+        let explains = |i: usize| explains(run, i, &suite.cases[i], &rules);
+        let would_fail = |i: usize| would_fail(run, &suite.cases[i], &rules);
+        CoverCandidate::new(misreading, &failing, explains, &passing, would_fail)
+    });
+    let candidates = candidates.filter(CoverCandidate::is_supported).collect();
+    let causes = cover(candidates, &mut failing).into_iter();
+    causes.map(CoverCandidate::diagnosis).collect()
+}
+
+/// Returns true if a stage with these rules returns the received answer.
+fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules) -> bool {
+    let Some(observation) = &run.observations[i] else {
+        return false;
+    };
+    match (&observation.response, case.expected_under(rules)) {
+        (Response::Image { frame, .. }, Some(misread)) => {
+            // Answers that equal the reference's are not stored. A field that only one answer has counts as a difference.
+            let received = frame.as_ref().unwrap_or(&case.expect);
+            let misread = ExpectedAnswer {
+                answer: checked_fields(case, &misread.answer),
+                ..misread
+            };
+            case.expect() == Expect::Reject || misread.difference(received).is_none()
+        }
+        (Response::Rejected, None) => case.answer(rules) == Answer::Rejected,
+        _ => false,
+    }
+}
+
+fn checked_fields(case: &TextureCase, answer: &Value) -> Value {
+    let fields = case.expect.as_object().into_iter().flatten();
+    let kept = fields.filter_map(|(name, _)| Some((name.clone(), answer.get(name)?.clone())));
+    Value::Object(kept.collect())
+}
+
+fn would_fail(run: &Run<TextureCase>, case: &TextureCase, rules: &Rules) -> bool {
+    let must_refuse = case.expect() == Expect::Reject;
+    match case.answer(rules) {
+        Answer::Decoded(answer) => {
+            let expected = case.expected(&run.judgment.dialect);
+            must_refuse || expected.difference(&answer).is_some()
+        }
+        Answer::Rejected => !must_refuse,
+        _ => true,
+    }
+}

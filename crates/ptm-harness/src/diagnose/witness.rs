@@ -1,0 +1,502 @@
+//! Compares the response to a case with the answer of a decoder that makes certain mistakes.
+
+use std::borrow::Cow;
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
+
+use super::stream_cache::decode_stream_cached;
+use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
+use crate::session::run::Run;
+use ptm::decode::lookup_table::read_newline_separator;
+use ptm::decode::{decode_as, examine_as};
+use ptm::reading::Reading;
+use ptm::{Field, Limits, Ptm};
+use ptm_generate::Model;
+use ptm_mistakes::{Anatomy, Change, EditedFile, Misreading, Stage};
+use ptm_suite::cases::{Built, Case, Expect, Suite};
+use ptm_suite::choices::CHOICES;
+use ptm_suite::compare::{Expected, is_close};
+use ptm_suite::dialect::{Dialect, RightDialects};
+use ptm_suite::kit::parallel::map_in_parallel;
+use ptm_suite::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
+use ptm_suite::values::Values;
+use ptm_suite::verdicts::dialect::Certainty;
+use ptm_suite::verdicts::observation::{Observation, Response};
+use ptm_suite::verdicts::outcome::Outcome;
+
+/// A judged case: its file, the decoder's response, and the correct answer.
+pub(super) struct Witness<'a> {
+    /// Index of the case in the suite.
+    pub case_index: usize,
+    pub case: &'a Case,
+    pub observation: &'a Observation,
+    pub built: Arc<Built>,
+    pub failed: bool,
+    /// Number of judged legal files of the same format.
+    pub legal_files: usize,
+    /// Number of judged legal files of the same format whose cases are inconclusive.
+    pub inconclusive_files: usize,
+    /// Decisions of the decoder before any mistake is applied.
+    pub reading: Reading,
+    /// The reference's answer in the dialect in which the decoder was judged.
+    pub expected: Answer,
+    /// The reference's answer under `reading`, or `None` if `reading` is the dialect of `expected`.
+    correct_answer: Option<Answer>,
+    /// Fields of the file, up to the first error.
+    fields: OnceLock<Vec<Field>>,
+    pub facts: OnceLock<Facts>,
+    /// The map decoded from the file under `reading`.
+    decoded: OnceLock<ptm::error::Result<Ptm>>,
+}
+
+/// A property of a file: its clause and a text that completes "files …", separated by a space, and a flag that is true if the
+/// file has the property.
+pub(super) type Property = (&'static str, bool);
+
+/// A numeric property of a file: the clause about it, a text in which {} stands for a phrase such as "at least 17", and the
+/// value.
+pub(super) type Quantity = (&'static str, &'static str, Option<f64>);
+
+pub(super) struct Facts {
+    pub properties: Vec<Property>,
+    pub quantities: Vec<Quantity>,
+}
+
+/// The agreement of an answer with the response.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Agreement {
+    /// The images are equal.
+    Image,
+    /// Both are refusals, or both are acceptances.
+    Outcome,
+    /// The answer is a refusal, and the response is a crash.
+    Crash,
+    /// The images or outcomes differ.
+    None,
+    /// The answer is a refusal, but the response is an image, so the decoder does not make the mistakes.
+    Contradiction,
+}
+
+impl Agreement {
+    /// Returns true if mistakes with this agreement explain the response.
+    pub fn explains(self) -> bool {
+        !matches!(self, Agreement::None | Agreement::Contradiction)
+    }
+}
+
+/// Returns a witness for every case that passed or failed, except cases with inconsistent responses or broken promises. Mistakes
+/// are applied to `reading` or, if `reading` is `None`, to the dialect inferred for the decoder.
+pub(super) fn witnesses<'a>(
+    suite: &'a Suite,
+    run: &'a Run,
+    reading: Option<Reading>,
+    threads: usize,
+) -> Vec<Witness<'a>> {
+    let dialect = dialect_reading(run);
+    let mut legal_files: HashMap<_, [usize; 2]> = HashMap::new();
+    for (case, judged) in suite.cases.iter().zip(&run.judgment.cases) {
+        let Some(judged) = judged.as_ref().filter(|_| case.expect == Expect::Decode) else {
+            continue;
+        };
+        let [all, inconclusive] = legal_files.entry(case.format()).or_default();
+        *all += 1;
+        *inconclusive += usize::from(judged.outcome == Outcome::Inconclusive);
+    }
+    let witness = |case_index: usize| {
+        let case = &suite.cases[case_index];
+        let outcome = run.judgment.cases[case_index].as_ref()?.outcome;
+        // Inconsistent responses and broken promises are no evidence for a misreading.
+        let observation = run.observations[case_index]
+            .as_ref()
+            .filter(|observation| observation.nondeterminism.is_none())
+            .filter(|observation| !breaks_promise(run, case, observation))?;
+        // Inconclusive and unsupported cases are no evidence either.
+        if !matches!(outcome, Outcome::Pass | Outcome::Fail) {
+            return None;
+        }
+        let built = case.build(run.table);
+        let counts = legal_files.get(&case.format()).copied();
+        let [legal_files, inconclusive_files] = counts.unwrap_or_default();
+        let answer = |reading| ptm_mistakes::answer(&[], reading, &built.file, &observation.view);
+        let (expected, correct_answer) = (answer(dialect), reading.map(answer));
+        Some(Witness {
+            case_index,
+            case,
+            observation,
+            built,
+            failed: outcome == Outcome::Fail,
+            legal_files,
+            inconclusive_files,
+            reading: reading.unwrap_or(dialect),
+            expected,
+            correct_answer,
+            fields: OnceLock::new(),
+            facts: OnceLock::new(),
+            decoded: OnceLock::new(),
+        })
+    };
+    let all = map_in_parallel(suite.cases.len(), threads, &|_, _| (), &witness);
+    all.into_iter().flatten().collect()
+}
+
+/// Returns true if the decoder exited with 69 for a file in a format that it declares but never reads.
+pub(super) fn breaks_promise(run: &Run, case: &Case, observation: &Observation) -> bool {
+    run.offer
+        .is_broken_by(case, observation, &run.judgment.unsupported)
+}
+
+impl Witness<'_> {
+    /// Returns the answer of a decoder with these misreadings.
+    pub fn answer_of_misreadings(&self, mistakes: &[&Misreading]) -> Cow<'_, Answer> {
+        // Parse the file only once. Most edits of bytes do not change most files.
+        let [first, rest @ ..] = mistakes else {
+            return Cow::Borrowed(self.correct_answer());
+        };
+        if mistakes.iter().all(|mistake| is_after_decoding(mistake)) {
+            return match self.decoded() {
+                Ok(ptm) => {
+                    let reading = ptm_mistakes::apply_to_reading(mistakes, self.reading);
+                    let view = &self.observation.view;
+                    Cow::Owned(ptm_mistakes::render(mistakes, &reading, ptm, view))
+                }
+                Err(_) => Cow::Borrowed(self.correct_answer()),
+            };
+        }
+        let Change::Bytes(edit) = first.change else {
+            return Cow::Owned(self.answer_to_file(mistakes, &self.built.file));
+        };
+        match edit(&self.anatomy()) {
+            EditedFile::Refused => Cow::Owned(Answer::Rejected),
+            EditedFile::File(bytes) if bytes == self.built.file => self.answer_of_misreadings(rest),
+            EditedFile::File(bytes) => Cow::Owned(self.answer_to_file(rest, &bytes)),
+        }
+    }
+
+    /// Returns the answer of a decoder without mistakes under `reading`.
+    pub fn correct_answer(&self) -> &Answer {
+        self.correct_answer.as_ref().unwrap_or(&self.expected)
+    }
+
+    fn answer_to_file(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
+        ptm_mistakes::answer(mistakes, self.reading, file, &self.observation.view)
+    }
+
+    /// Returns the fields of the file, up to the first error.
+    pub fn fields(&self) -> &[Field] {
+        self.fields
+            .get_or_init(|| examine_as(&self.built.file, &self.reading).0)
+    }
+
+    /// Returns the image in the response if it differs from the reference's image.
+    pub fn wrong_image(&self) -> Option<&Frame> {
+        self.observation.response.wrong_image()
+    }
+
+    /// Returns true if the request was for colors.
+    pub fn is_rgb(&self) -> bool {
+        matches!(self.observation.view, View::Rgb(_))
+    }
+
+    /// Returns the map decoded from the file under `reading`.
+    pub fn decoded(&self) -> &ptm::error::Result<Ptm> {
+        self.decoded
+            .get_or_init(|| decode_as(&self.built.file, &self.reading, &Limits::default()))
+    }
+
+    /// Returns the offset of the first byte after the header text.
+    pub fn payload_offset(&self) -> usize {
+        self.anatomy().payload_offset()
+    }
+
+    fn anatomy(&self) -> Anatomy<'_> {
+        Anatomy {
+            file: &self.built.file,
+            fields: self.fields().to_vec(),
+        }
+    }
+
+    /// Returns the model from which the file was generated, if any.
+    pub fn model(&self) -> Option<&Model> {
+        match &self.built.values {
+            Values::Painted(model) => Some(model),
+            _ => None,
+        }
+    }
+
+    /// Returns true if the plane is neither predicted nor corrected.
+    pub fn is_plain_plane(&self, plane: usize) -> bool {
+        let coded = self.model().and_then(|model| model.compressed.as_ref());
+        coded.is_some_and(|coded| {
+            coded.plan.reference(plane).is_none() && coded.planes[plane].records.is_empty()
+        })
+    }
+
+    /// Returns true if the file is legal and the response is an image.
+    pub fn is_image_of_legal_file(&self) -> bool {
+        let is_image = matches!(self.observation.response, Response::Image { .. });
+        is_image && self.case.expect == Expect::Decode
+    }
+
+    /// Returns true if the response is an image of a legal file, and the image is evidence.
+    pub fn is_telling_image(&self) -> bool {
+        self.is_image_of_legal_file() && !self.is_blank_by_mistake()
+    }
+
+    /// Returns true if all samples of the received image are equal, although those of the correct image are not. Many mistakes
+    /// produce such an image.
+    pub fn is_blank_by_mistake(&self) -> bool {
+        let received = self.wrong_image().and_then(uniform_value);
+        let expected = match &self.expected {
+            Answer::Decoded(frame) => uniform_value(frame),
+            _ => None,
+        };
+        received.is_some() && expected.is_none()
+    }
+
+    /// Returns how well `answer` agrees with the response to a failing case, if the response is evidence.
+    pub fn evidence(&self, answer: &Answer) -> Agreement {
+        match self.agreement(answer) {
+            Agreement::Image if self.is_blank_by_mistake() => Agreement::None,
+            agreement => agreement,
+        }
+    }
+
+    /// Returns how well `answer` agrees with the response to a failing case.
+    pub fn agreement(&self, answer: &Answer) -> Agreement {
+        match (&self.observation.response, answer) {
+            // A refusal is correct if the reference refuses the file as well.
+            (_, Answer::Rejected) if self.expected == Answer::Rejected => Agreement::None,
+            (
+                Response::Image {
+                    frame: Some(actual),
+                    ..
+                },
+                Answer::Decoded(image),
+            ) if equal_up_to_rounding(actual, image)
+                && (!self.equals_reference(image) || self.is_closer_to_response(image, actual))
+                && self.is_significant_match(image, actual) =>
+            {
+                Agreement::Image
+            }
+            // Images of files that must be refused are not stored. The acceptance itself is the mistake.
+            (Response::Image { frame: None, .. }, Answer::Decoded(_))
+                if matches!(self.case.expect, Expect::Reject | Expect::Refuse) =>
+            {
+                Agreement::Outcome
+            }
+            (Response::Rejected, Answer::Rejected)
+            | (Response::Unsupported, Answer::Rejected | Answer::Unsupported) => Agreement::Outcome,
+            (Response::Violation(Answer::Crashed(_)), Answer::Rejected)
+                if self.case.expect == Expect::Decode =>
+            {
+                Agreement::Crash
+            }
+            (Response::Image { .. }, Answer::Rejected | Answer::Unsupported)
+                if self.case.expect == Expect::Decode =>
+            {
+                Agreement::Contradiction
+            }
+            _ => Agreement::None,
+        }
+    }
+
+    /// Returns false if two similar images may agree only because of the tolerance for colors. This is the case if all wrong
+    /// colors are near 0 or 255 and many of these colors differ between the images, or if all wrong colors that are not near 0 or
+    /// 255 differ by one in the same direction.
+    fn is_significant_match(&self, image: &Frame, actual: &Frame) -> bool {
+        let Answer::Decoded(right) = &self.expected else {
+            return true;
+        };
+        let (Samples::U8(right), Samples::U8(image), Samples::U8(actual)) =
+            (&right.samples, &image.samples, &actual.samples)
+        else {
+            return true;
+        };
+        if right.len() != actual.len() {
+            return true;
+        }
+        let all = right.iter().zip(image.iter().zip(actual));
+        let wrong = all.filter(|(right, (_, actual))| right.abs_diff(**actual) > 1);
+        let wrong = wrong.map(|(_, (&image, &actual))| (image, actual));
+        // Colors near 0 or 255 may be clamped.
+        let (limits, others): (Vec<_>, Vec<_>) =
+            wrong.partition(|&(_, actual)| actual <= 1 || actual >= 254);
+        let equal = limits.iter().filter(|(a, b)| a == b).count();
+        let all_differ_by = |offset: i16| {
+            let mut offsets = others
+                .iter()
+                .map(|&(image, actual)| i16::from(actual) - i16::from(image));
+            others.len() >= MIN_SUPPORT && offsets.all(|other| other == offset)
+        };
+        let is_at_limits =
+            others.is_empty() && !limits.is_empty() && !is_nearly_all(equal, limits.len());
+        !is_at_limits && !all_differ_by(1) && !all_differ_by(-1)
+    }
+
+    /// Returns true if `image` equals the response, or differs from it in fewer than half as many samples as the correct image.
+    fn is_closer_to_response(&self, image: &Frame, actual: &Frame) -> bool {
+        let (Samples::U8(samples), Answer::Decoded(right)) = (&actual.samples, &self.expected)
+        else {
+            return actual == image;
+        };
+        let count_differences = |other: &Frame| match &other.samples {
+            Samples::U8(other) => other.iter().zip(samples).filter(|(a, b)| a != b).count(),
+            Samples::F32(other) => other.len(),
+        };
+        let (own, reference) = (count_differences(image), count_differences(right));
+        actual == image || is_most(reference.saturating_sub(own), reference)
+    }
+
+    /// Returns true if `image` equals the reference's image up to rounding, and therefore explains no failure.
+    fn equals_reference(&self, image: &Frame) -> bool {
+        matches!(&self.expected, Answer::Decoded(right) if equal_up_to_rounding(right, image))
+    }
+
+    /// Returns true if a passing case would fail with `answer`. The answer of a decoder without mistakes contradicts nothing,
+    /// even if its dialect differs.
+    pub fn contradicts(&self, answer: &Answer) -> bool {
+        if std::ptr::eq(answer, &raw const self.expected)
+            || self.correct_answer.as_ref() == Some(answer)
+        {
+            return false;
+        }
+        match (self.case.expect, answer) {
+            (Expect::Decode, Answer::Decoded(image)) => {
+                !self.equals_reference(image) && self.would_fail(image)
+            }
+            (Expect::Decode, _) => true,
+            (Expect::Reject | Expect::Refuse, answer) => matches!(answer, Answer::Decoded(_)),
+            _ => false,
+        }
+    }
+
+    /// Returns true if `answer` differs from the response to a lenient file, for which both a refusal and an image are correct.
+    pub fn differs_from_lenient_response(&self, answer: &Answer) -> bool {
+        match (&self.observation.response, answer) {
+            (Response::Rejected, Answer::Decoded(_))
+            | (Response::Image { .. }, Answer::Rejected) => true,
+            (Response::Image { .. }, Answer::Decoded(image)) => self.would_fail(image),
+            _ => false,
+        }
+    }
+
+    /// Returns true if a decoder that outputs `image` would fail the case.
+    fn would_fail(&self, image: &Frame) -> bool {
+        let right = match (&self.observation.response, &self.expected) {
+            // The image depends on an open question, so the decoder's own dialect determines the correct image.
+            (
+                Response::Image {
+                    right: RightDialects::Depends { .. },
+                    ..
+                },
+                Answer::Decoded(right),
+            ) => return !equal_up_to_rounding(right, image),
+            _ => Expected::new(&self.built.values, &self.observation.view),
+        };
+        right.is_some_and(|right| right.compare(image).is_some())
+    }
+}
+
+pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
+    misreading.stage() >= Stage::Planes
+}
+
+/// Returns the reference's choices, or `None` if the choices inferred for the decoder are the same. If the decoder expects a line
+/// feed after tables, so does the returned reading, unless that is the only difference.
+pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
+    let judgment = &run.judgment;
+    let mut choices = judgment.dialect.0.iter().zip(&judgment.certainties);
+    let is_other = choices.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
+    if !is_other && !run.table.newline {
+        return None;
+    }
+    let mut reading = Reading::SPEC;
+    reading.stream = decode_stream_cached;
+    if is_other && run.table.newline {
+        reading.after_table = read_newline_separator;
+    }
+    Some(reading)
+}
+
+/// Returns the choices that were inferred for the decoder.
+pub fn dialect_reading(run: &Run) -> Reading {
+    let judgment = &run.judgment;
+    let choices = judgment.dialect.0.iter().zip(&judgment.certainties);
+    let settled = choices.map(|(&reading, certain)| match certain {
+        Certainty::Open => 0,
+        _ => reading,
+    });
+    let mut reading = CHOICES.apply(&Dialect(settled.collect()), Reading::SPEC);
+    reading.stream = decode_stream_cached;
+    if run.table.newline {
+        reading.after_table = read_newline_separator;
+    }
+    reading
+}
+
+/// Returns true if the misreading can affect the file. The clause of the misreading may apply only to files with a table, a
+/// matrix or compressed planes.
+#[must_use]
+pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
+    let format = &file[..file.len().min(64)];
+    let has = |word: &[u8]| format.windows(word.len()).any(|bytes| bytes == word);
+    let section = |name: &str| misreading.clause.starts_with(name);
+    if !has(b"PTM_FORMAT_") || matches!(misreading.change, Change::Bytes(_)) {
+        true
+    } else if section("2.9") {
+        has(b"RMAT_JPEG")
+    } else if section("2.5") || section("2.8") {
+        has(b"LUT")
+    } else if section("2.6") {
+        has(b"RMAT_LUM")
+    } else {
+        true
+    }
+}
+
+/// Returns true if a decoder can make both mistakes, that is, if they affect different steps or different decisions.
+#[must_use]
+pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
+    !a.changes_same_step(b)
+}
+
+/// Returns true if, in some view, `explained` contains nearly all of the `changed` cases (see [`is_nearly_all`]).
+pub fn explains_a_view(witnesses: &[Witness], explained: &[usize], changed: &[usize]) -> bool {
+    ViewKind::ALL.into_iter().any(|view| {
+        let has_view = |w: &&usize| witnesses[**w].observation.view.kind() == view;
+        let count = explained.iter().filter(has_view).count();
+        is_nearly_all(count, changed.iter().filter(has_view).count())
+    })
+}
+
+/// Returns true if two images are equal up to rounding.
+#[must_use]
+pub fn equal_up_to_rounding(a: &Frame, b: &Frame) -> bool {
+    if a.shape() != b.shape() {
+        return false;
+    }
+    match (&a.samples, &b.samples) {
+        (Samples::U8(x), Samples::U8(y)) if a.view == ViewKind::Rgb => {
+            x.iter().zip(y).all(|(x, y)| x.abs_diff(*y) <= 1)
+        }
+        (Samples::U8(x), Samples::U8(y)) => x == y,
+        (Samples::F32(x), Samples::F32(y)) => x
+            .iter()
+            .zip(y)
+            .all(|(x, y)| is_close(f64::from(*x), f64::from(*y), 0.0) || x.is_nan() && y.is_nan()),
+        _ => false,
+    }
+}
+
+/// Returns the value that all samples in an image share, if any.
+pub(super) fn uniform_value(frame: &Frame) -> Option<f32> {
+    fn uniform<T: Copy + PartialEq + Into<f32>>(samples: &[T]) -> Option<f32> {
+        let first = *samples.first()?;
+        let is_equal = samples.iter().all(|&sample| sample == first);
+        is_equal.then_some(first.into())
+    }
+    match &frame.samples {
+        Samples::U8(samples) => uniform(samples),
+        Samples::F32(samples) => uniform(samples),
+    }
+}

@@ -1,0 +1,372 @@
+//! Runs a check, from first contact with a decoder to the final report.
+//!
+//! [`check`] is the only function that sends requests to a decoder and judges the answers:
+//!
+//! 1. First contact: what the decoder offers, faults of its wrapper, and transforms that all images have in common.
+//! 2. Requests: the prioritized cases, a first search for causes among them, and the other cases.
+//! 3. Repeats, and the verdicts.
+//! 4. The report with all verdicts. The observer writes it, because the search for causes may take long or fail.
+//! 5. The causes, and the final report.
+//!
+//! The decoder is a [`Subject`]: a program, a function or a recording. An [`Observer`] learns what happens.
+
+pub mod explain;
+pub mod merge;
+pub mod observer;
+#[cfg(test)]
+mod other_transforms;
+pub mod recorder;
+pub mod subject;
+#[cfg(test)]
+mod texture_unit;
+
+use std::any::Any;
+use std::fmt;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::time::{Duration, Instant};
+
+pub use explain::{Explain, FoundCauses};
+pub use observer::{Agenda, Observer, Stage};
+pub use subject::Subject;
+
+use crate::report::document::Report;
+use crate::report::shards::{Circumstances, OtherRemarks};
+use crate::session::asking::DecoderFn;
+use crate::session::contact::Contact;
+use crate::session::lit_scene::LitScene;
+use crate::session::plan::RunPlan;
+use crate::session::probe::ProbeStep;
+use crate::session::remark::Remark;
+use crate::session::run::{Observations, Run, Session};
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::protocol::request::Request;
+use ptm_suite::verdicts::observation::Observation;
+
+/// Minimum number of other cases for a first search among the prioritized cases. A shorter run would end before the user has read
+/// the first causes.
+const MIN_OTHER_CASES: usize = 200;
+
+/// Minimum time limit of the first search. In a long run, the limit is a tenth of the estimated duration of the run.
+const MIN_SEARCH_TIME: Duration = Duration::from_secs(2);
+
+/// What is checked, and how far.
+pub struct Check<'a, C: Explain = Case> {
+    /// The suite.
+    pub suite: &'a Suite<C>,
+    /// The selected cases and the options of the run.
+    pub plan: &'a RunPlan,
+    /// Properties of the run for the report.
+    pub circumstances: Circumstances,
+    /// True if transforms that the images of the first files have in common are reported once and undone in all later images.
+    pub undoes_transforms: bool,
+    /// True if the causes of failures are searched for.
+    pub finds_causes: bool,
+    /// True if a scene is requested that illustrates the report.
+    pub requests_scene: bool,
+}
+
+impl<'a, C: Explain> Check<'a, C> {
+    /// Creates a whole check.
+    #[must_use]
+    pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan) -> Check<'a, C> {
+        Check {
+            undoes_transforms: true,
+            finds_causes: true,
+            ..Check::of_answers(suite, plan)
+        }
+    }
+
+    /// Creates a check that judges all answers as they are, and ends with the verdicts.
+    #[must_use]
+    pub fn of_answers(suite: &'a Suite<C>, plan: &'a RunPlan) -> Check<'a, C> {
+        Check {
+            suite,
+            plan,
+            circumstances: Circumstances::default(),
+            undoes_transforms: false,
+            finds_causes: false,
+            requests_scene: false,
+        }
+    }
+}
+
+/// The results of a check.
+pub struct Checked<C: Explain = Case> {
+    /// Observations and verdicts.
+    pub run: Run<C>,
+    /// The report.
+    pub report: Report,
+    /// Faults in the wrapper of the decoder. If there are any, the run ended after first contact.
+    pub faults: Vec<ProbeStep>,
+    /// The scene, if it was requested and received.
+    pub scene: Option<LitScene>,
+}
+
+/// The reason why a check has no result.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Error {
+    /// An assumed misreading is unknown.
+    Assumption(String),
+    /// The decoder could not be asked. This is not the decoder's fault.
+    Trouble(String),
+    /// The observer could not write the report.
+    Observer(String),
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (Error::Assumption(why) | Error::Trouble(why) | Error::Observer(why)) = self;
+        f.write_str(why)
+    }
+}
+
+impl std::error::Error for Error {}
+
+/// Runs a check.
+///
+/// # Errors
+/// Returns an error if an assumed misreading is unknown, if the subject has trouble, or if the observer returns one.
+pub fn check<C: Explain>(
+    check: &Check<C>,
+    subject: &dyn Subject<C>,
+    observer: &dyn Observer<C>,
+) -> Result<Checked<C>, Error> {
+    let (suite, plan, circumstances) = (check.suite, check.plan, &check.circumstances);
+    let ask = |request: &Request<'_, C::View>, worker: usize| {
+        let reply = subject.ask(request, worker);
+        observer.request_answered(request, &reply);
+        reply
+    };
+
+    observer.stage_began(&Stage::FirstContact);
+    let start = Instant::now();
+    let mut session = Session::new(suite, plan, &ask);
+    let mut contact = session.first_contact();
+    let pace = start
+        .elapsed()
+        .div_f64(session.requests_sent().max(1) as f64);
+    let faults = subject.wrapper_faults(suite, plan, &contact);
+    add_faults(&mut contact, &faults, subject.advice());
+    // Assumed misreadings have already been reported.
+    if check.undoes_transforms && circumstances.assumed.is_empty() && contact.is_ready() {
+        C::undo_common_transforms(suite, &mut session, &mut contact);
+    }
+    observer.contact_made(&contact, &session.undone_transforms);
+
+    let observations = request_cases(check, &session, &contact, pace, observer);
+
+    observer.stage_began(&Stage::Repeats);
+    let repeated = |done, total| observer.request_repeated(done, total);
+    let mut run = session.verdicts(contact, observations, &repeated);
+    if check.finds_causes {
+        // The first signal ends the requests. The next one ends the search for causes.
+        plan.stop.store(false, Ordering::Relaxed);
+    }
+    if let Some(trouble) = subject.trouble() {
+        return Err(Error::Trouble(trouble));
+    }
+    let is_complete = run.ended_early.is_none();
+    let scene = (check.requests_scene && is_complete).then(|| C::request_scene(&run, &ask));
+    let remarks = subject.remarks(suite, &run);
+
+    observer.stage_began(&Stage::Report);
+    let mut report = report_verdicts(check, &mut run, &remarks)?;
+    observer
+        .verdicts_reported(&run, &report, &remarks)
+        .map_err(Error::Observer)?;
+
+    if check.finds_causes {
+        observer.stage_began(&Stage::Search(Arc::clone(&run.work)));
+        let found = search(|| C::find_causes(suite, &run, &circumstances.assumed, plan.jobs));
+        observer.causes_found(&found);
+        report = add_causes(report, found, run.stop.load(Ordering::Relaxed));
+    }
+    Ok(Checked {
+        run,
+        report,
+        faults,
+        scene: scene.flatten(),
+    })
+}
+
+/// Judges all answers of a function as they are, and searches for no causes.
+pub fn judge_answers<C: Explain>(
+    suite: &Suite<C>,
+    plan: &RunPlan,
+    decoder: &DecoderFn<C>,
+) -> Run<C> {
+    let checked = check(&Check::of_answers(suite, plan), &decoder, &());
+    checked.expect("a function has no trouble").run
+}
+
+/// Adds faults of the decoder's wrapper to the result of first contact. If there are any, no case is requested. `advice` is added
+/// if the program is not a decoder.
+fn add_faults<C: Explain>(contact: &mut Contact<C>, faults: &[ProbeStep], advice: Option<&str>) {
+    for fault in faults {
+        let message = match &fault.next {
+            Some(next) => format!("{}\n→ {next}", fault.message),
+            None => fault.message.clone(),
+        };
+        match &mut contact.not_a_decoder {
+            Some(why) => *why = format!("{why}\n{message}"),
+            None => contact.remarks.push(Remark::failure(message)),
+        }
+        contact.end_reason = Some(
+            "the run ended after the initial checks: fix the wrapper first, because its faults would make most cases fail"
+                .to_owned(),
+        );
+    }
+    if let (Some(why), Some(advice)) = (&mut contact.not_a_decoder, advice) {
+        *why = format!("{why}\n→ {advice}");
+    }
+}
+
+/// Requests all cases. If there are enough of them, requests the prioritized cases first and searches these for causes. `pace` is
+/// the time per request so far.
+fn request_cases<C: Explain>(
+    check: &Check<C>,
+    session: &Session<C>,
+    contact: &Contact<C>,
+    pace: Duration,
+    observer: &dyn Observer<C>,
+) -> Observations<C> {
+    let (prioritized, others) = session.agenda(contact);
+    let total = prioritized.len() + others.len();
+    let done = AtomicUsize::new(0);
+    let progress = |case: &C, observation: &Observation<C>, _: usize, _: usize| {
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        observer.case_finished(case, observation, done, total);
+    };
+    let mut observations = vec![None; check.suite.cases.len()];
+    if prioritized.is_empty() || others.len() < MIN_OTHER_CASES || !check.finds_causes {
+        observer.stage_began(&Stage::Cases);
+        let all = [prioritized, others].concat();
+        session.request_cases(contact, &all, &mut observations, &progress);
+        return observations;
+    }
+    let agenda = Agenda {
+        total,
+        prioritized: prioritized.len(),
+        pace,
+    };
+    observer.agenda_known(&agenda);
+    observer.stage_began(&Stage::PrioritizedCases);
+    session.request_cases(contact, &prioritized, &mut observations, &progress);
+    if !session.is_over() {
+        let mut run = session.partial_run(contact, &prioritized, &observations);
+        run.stop = Arc::default();
+        let (assumed, jobs) = (&check.circumstances.assumed, check.plan.jobs);
+        let time_limit = (agenda.time(total) / 10).max(MIN_SEARCH_TIME);
+        observer.stage_began(&Stage::FirstSearch(Arc::clone(&run.work)));
+        let found = run_with_time_limit(time_limit, &run.stop, &check.plan.stop, || {
+            search(|| C::find_causes(check.suite, &run, assumed, jobs))
+        });
+        // An incomplete search may name causes that other cases refute.
+        if !run.stop.load(Ordering::Relaxed) {
+            observer.first_causes_found(&run, &found.causes);
+        }
+    }
+    observer.stage_began(&Stage::Cases);
+    session.request_cases(contact, &others, &mut observations, &progress);
+    observations
+}
+
+/// Runs `work`, which should end when `stop` is set. Sets `stop` when the time limit expires or when `end` is set.
+fn run_with_time_limit<T>(
+    time_limit: Duration,
+    stop: &AtomicBool,
+    end: &AtomicBool,
+    work: impl FnOnce() -> T,
+) -> T {
+    let (working, ended) = mpsc::channel::<()>();
+    let start = Instant::now();
+    std::thread::scope(|scope| {
+        scope.spawn(move || {
+            while ended.recv_timeout(Duration::from_millis(20)) == Err(RecvTimeoutError::Timeout) {
+                if start.elapsed() > time_limit || end.load(Ordering::Relaxed) {
+                    return stop.store(true, Ordering::Relaxed);
+                }
+            }
+        });
+        let result = work();
+        drop(working);
+        result
+    })
+}
+
+/// Returns the report of a run with all verdicts, but without causes.
+fn report_verdicts<C: Explain>(
+    check: &Check<C>,
+    run: &mut Run<C>,
+    remarks: &OtherRemarks,
+) -> Result<Report, Error> {
+    let (suite, plan, circumstances) = (check.suite, check.plan, &check.circumstances);
+    run.remarks.splice(0..0, remarks.before.iter().cloned());
+    run.remarks.extend(remarks.after.iter().cloned());
+    C::assume(suite, run, &circumstances.assumed, plan.jobs).map_err(Error::Assumption)?;
+    let limits = circumstances.limits.clone();
+    let mut report = Report::new(suite, run, &circumstances.command, limits);
+    report.decoder.name.clone_from(&circumstances.name);
+    report.decoder.version.clone_from(&circumstances.version);
+    plan.mode().clone_into(&mut report.decoder.mode);
+    Ok(report)
+}
+
+/// Searches for causes. If the search panics, which is a bug of this program, there are no causes, and the verdicts survive.
+fn search(find_causes: impl FnOnce() -> FoundCauses) -> FoundCauses {
+    catch_unwind(AssertUnwindSafe(find_causes)).unwrap_or_else(|panic| FoundCauses {
+        faults: vec![panic_message(&*panic)],
+        ..FoundCauses::default()
+    })
+}
+
+fn panic_message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
+    text.unwrap_or_else(|| "a panic without a message".to_owned())
+}
+
+/// Adds causes to a report, and a remark if the search panicked or was interrupted.
+fn add_causes(mut report: Report, found: FoundCauses, was_interrupted: bool) -> Report {
+    report.diagnoses = found.causes;
+    if !found.faults.is_empty() {
+        report.remarks.push(Remark::note(format!(
+            "the search for causes failed because of a bug in ptm-conform: {}; the verdicts are not affected",
+            found.faults.join("; ")
+        )));
+    }
+    if was_interrupted {
+        let message =
+            "the search for causes was interrupted, so failures are listed without causes";
+        report.remarks.push(Remark::note(message.to_owned()));
+    }
+    report
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ptm_suite::protocol::frame::Answer;
+    use ptm_suite::protocol::request::Reply;
+
+    #[test]
+    fn panicking_search_loses_no_verdict() {
+        let mut suite = Suite::load().expect("the suite loads");
+        suite.cases.retain(|case| case.first);
+        let plan = RunPlan::new(&suite, 1);
+        let refuse = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);
+        let checked = check(&Check::of_answers(&suite, &plan), &refuse, &());
+        let verdicts = checked.expect("a function has no trouble").report;
+        let found = search(|| panic!("index 3 of 2"));
+        let report = add_causes(verdicts.clone(), found, false);
+        assert_eq!(report.cases, verdicts.cases);
+        assert_eq!(report.verdict, verdicts.verdict);
+        assert_eq!(report.diagnoses, []);
+        let last = report.remarks.last().expect("a remark");
+        assert!(!last.failure && last.message.contains("a bug in ptm-conform"));
+        assert!(last.message.contains("index 3 of 2"), "{}", last.message);
+    }
+}

@@ -1,0 +1,287 @@
+//! Converts a run and its diagnoses to a report.
+
+use std::ffi::OsStr;
+use std::path::Path;
+
+use crate::diagnose::{Cause, Diagnosis};
+use crate::report::document::{
+    CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, Tool,
+};
+use crate::report::leniency::{leniency, passing_case_ids};
+use crate::session::{remark::Remark, run::Run};
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::{Expect, Suite};
+use ptm_suite::compare::{FlatBlocks, LOSSY_TOLERANCE};
+use ptm_suite::name::SuiteName;
+use ptm_suite::test_case::{Allowance, TestCase};
+use ptm_suite::verdicts::dialect::Certainty;
+use ptm_suite::verdicts::observation::Response;
+use ptm_suite::verdicts::outcome::Outcome;
+
+impl Report {
+    /// Creates the report on `run`, without causes. Directories are removed from `command`.
+    #[must_use]
+    pub fn new<C: TestCase>(
+        suite: &Suite<C>,
+        run: &Run<C>,
+        command: &[String],
+        limits: Vec<String>,
+    ) -> Report {
+        let verdict = match run.exit_status() {
+            0 => "pass",
+            1 => "fail",
+            _ if matches!(C::SUITE, SuiteName::Writers | SuiteName::Fitters) => "not a writer",
+            _ => "not a decoder",
+        };
+        let name = |word| Path::new(word).file_name().unwrap_or(OsStr::new(word));
+        let words: Vec<_> = (command.iter().map(|word| name(word).to_string_lossy())).collect();
+        let views = run.offer.views.iter();
+        let decoded = run.judgment.decoded.iter();
+        let remarks = run.remarks.iter().cloned();
+        Report {
+            schema: SCHEMA,
+            suite: C::SUITE,
+            tool: Tool {
+                name: env!("CARGO_PKG_NAME").to_owned(),
+                version: env!("CARGO_PKG_VERSION").to_owned(),
+                corpus: C::digest(suite),
+                limits,
+            },
+            decoder: DecoderInfo {
+                command: words.join(" "),
+                name: None,
+                version: None,
+                mode: "one-shot".to_owned(),
+                views: views.map(|&view| view.to_owned()).collect(),
+                decodes: decoded.map(ToString::to_string).collect(),
+                unsupported: unsupported(run),
+            },
+            verdict: verdict.to_owned(),
+            reason: run.not_a_decoder.clone(),
+            scores: run.scores(suite),
+            remarks: remarks.chain(tolerance_remarks(run)).collect(),
+            dialect: followed_readings(suite, run),
+            lenient: leniency(suite, run),
+            baseline: None,
+            diagnoses: Vec::new(),
+            results_digest: None,
+            cases: case_results(suite, run),
+        }
+    }
+
+    /// Replaces the likely causes of the report with `diagnoses`.
+    #[must_use]
+    pub fn with_diagnoses<C: TestCase, A: 'static>(
+        mut self,
+        suite: &Suite<C>,
+        diagnoses: &[Diagnosis<A>],
+    ) -> Report {
+        self.diagnoses = likely_causes(suite, diagnoses);
+        self
+    }
+}
+
+fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> {
+    let mut results = Vec::new();
+    let observed = run.judgment.cases.iter().zip(&run.observations);
+    for (case, (judged, observation)) in suite.cases.iter().zip(observed) {
+        let Some(judged) = judged else { continue };
+        let observation = observation.as_ref();
+        let failed = observation.filter(|_| judged.outcome == Outcome::Fail);
+        results.push(CaseResult {
+            id: case.id().to_owned(),
+            outcome: judged.outcome,
+            view: observation.map_or_else(String::new, |observation| observation.view.to_string()),
+            expect: case.expectation_name().to_owned(),
+            clauses: case.clauses().to_vec(),
+            message: judged.message.clone(),
+            weak: observation.is_some_and(|observation| observation.weak),
+            stderr: failed.map_or_else(String::new, |observation| observation.stderr.clone()),
+        });
+    }
+    results
+}
+
+/// Returns the decoder's reading of each settled choice, with the cases that demonstrate the reading.
+fn followed_readings<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
+    let mut readings = table_readings(suite, run);
+    for (axis, choice) in C::CHOICES.iter().enumerate() {
+        if run.judgment.certainties[axis] != Certainty::Settled {
+            continue;
+        }
+        let shows = |i: usize| {
+            let observation = run.observations[i].as_ref();
+            matches!(
+                observation.map(|observation| &observation.response),
+                Some(Response::Image { right, .. }) if right.axes().contains(&axis)
+            )
+        };
+        readings.push(FollowedReading {
+            ruling: choice.ruling.to_owned(),
+            reading: choice.readings[run.judgment.dialect.0[axis]].0.to_owned(),
+            shown_by: passing_case_ids(suite, run, shows),
+        });
+    }
+    readings
+}
+
+/// Returns the table spelling that the decoder reads, if it decodes tables. The spelling determines only which files are sent to
+/// the decoder, not which answers are correct.
+fn table_readings<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
+    let decoded = &run.judgment.decoded;
+    let mut cases = suite.cases.iter();
+    if !cases.any(|case| case.has_table() && decoded.contains(&case.kind())) {
+        return Vec::new();
+    }
+    let newline = if run.table.newline {
+        "one line feed"
+    } else {
+        "nothing"
+    };
+    let readings = [
+        ("lut-count", run.table.count.name()),
+        ("lut-newline", newline),
+    ];
+    readings
+        .map(|(ruling, reading)| FollowedReading {
+            ruling: ruling.to_owned(),
+            reading: reading.to_owned(),
+            shown_by: passing_case_ids(suite, run, |i| {
+                let case = &suite.cases[i];
+                case.expect() == Expect::Spelling && case.ruling() == Some(ruling)
+            }),
+        })
+        .into()
+}
+
+/// Returns everything for which the decoder always exits with status 69: features, and views of individual kinds of cases.
+fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
+    let features = run.judgment.unsupported.iter();
+    let mut names: Vec<String> = features.map(ToString::to_string).collect();
+    for (view, kind) in &run.offer.missing_views {
+        let name = format!("{view} of {kind}");
+        // The colors of LUM are already listed as a feature.
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// Minimum mean difference, in levels, in flat JPEG blocks that is reported. An inverse DCT that truncates is half a level below.
+const MIN_SYSTEMATIC_ERROR: f64 = 0.25;
+
+/// Returns remarks on images that were compared with a tolerance larger than rounding requires.
+fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
+    let others = "raw images of lossy JPEG planes differ from the reference within the tolerance; a different inverse DCT or a small mistake may be the reason";
+    let lossy = format!(
+        "responses are JPEG images, which are lossy, so the tolerance is larger by {LOSSY_TOLERANCE} and small mistakes are not found"
+    );
+    let (mut transforms, mut jpegs, mut flat) = (0, 0, FlatBlocks::default());
+    for seen in run.observations.iter().flatten() {
+        match seen.response {
+            Response::Image {
+                allowance: Allowance::AnotherTransform(blocks),
+                ..
+            } => {
+                transforms += 1;
+                flat.samples += blocks.samples;
+                flat.sum += blocks.sum;
+            }
+            Response::Image {
+                allowance: Allowance::Lossy,
+                ..
+            } => jpegs += 1,
+            _ => {}
+        }
+    }
+    let counted =
+        |count: usize, says: &str| (count > 0).then(|| Remark::note(format!("{count} {says}")));
+    let mean = f64::from(flat.sum) / f64::from(flat.samples.max(1));
+    let systematic = (mean.abs() >= MIN_SYSTEMATIC_ERROR).then(|| {
+        let direction = if mean < 0.0 { "below" } else { "above" };
+        Remark::note(format!(
+            "{} samples in flat blocks of JPEG planes are {:.2} {direction} the reference on average; each is within the tolerance, but together they show a transform that does not round to the nearest integer",
+            flat.samples,
+            mean.abs()
+        ))
+    });
+    [
+        counted(transforms, others),
+        counted(jpegs, &lossy),
+        systematic,
+    ]
+    .into_iter()
+    .flatten()
+}
+
+/// Converts diagnoses to the likely causes listed in a report.
+pub fn likely_causes<C: TestCase, A: 'static>(
+    suite: &Suite<C>,
+    diagnoses: &[Diagnosis<A>],
+) -> Vec<LikelyCause> {
+    let ids = |case_indices: &[usize]| -> Vec<String> {
+        (case_indices.iter().map(|&i| suite.cases[i].id().to_owned())).collect()
+    };
+    (diagnoses.iter().map(|diagnosis| cause(&ids, diagnosis))).collect()
+}
+
+/// Converts a diagnosis. `ids` returns the ids of the cases with the given indices.
+fn cause<A: 'static>(
+    ids: &dyn Fn(&[usize]) -> Vec<String>,
+    diagnosis: &Diagnosis<A>,
+) -> LikelyCause {
+    let shown = diagnosis.observed.as_ref();
+    let mut cause = named_cause(shown.unwrap_or(&diagnosis.cause));
+    if shown.is_none() {
+        cause.contradicted_by = ids(&diagnosis.contradicted_by);
+    } else if diagnosis.contradicted_by.is_empty() {
+        // The misreading is one of several mistakes with the same effect, unless passing cases contradict it.
+        let named = named_cause(&diagnosis.cause);
+        let first = named.misreading.into_iter();
+        cause.equivalents = first.chain(named.equivalents).collect();
+        cause.accompanying = named.accompanying;
+    }
+    cause.explains = ids(&diagnosis.explains);
+    cause.partial = ids(&diagnosis.partial);
+    cause
+}
+
+/// Converts the cause in a diagnosis to the form used in reports.
+fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
+    match cause {
+        Cause::Misreading {
+            misreading,
+            equivalents,
+            accompanying,
+        } => LikelyCause {
+            misreading: Some(misreading.slug.to_owned()),
+            clause: misreading.clause.to_owned(),
+            effect: misreading.effect.to_owned(),
+            fix: misreading.fix.to_owned(),
+            equivalents: slugs(equivalents),
+            accompanying: slugs(accompanying),
+            ..LikelyCause::default()
+        },
+        Cause::Described {
+            category,
+            clause,
+            effect,
+            fix,
+            example,
+            equivalents,
+        } => LikelyCause {
+            kind: Some(*category),
+            clause: clause.clone(),
+            effect: effect.clone(),
+            fix: fix.clone(),
+            example: Some(example.clone()),
+            equivalents: slugs(equivalents),
+            ..LikelyCause::default()
+        },
+    }
+}
+
+fn slugs<A: 'static>(misreadings: &[&Misreading<A>]) -> Vec<String> {
+    misreadings.iter().map(|one| one.slug.to_owned()).collect()
+}

@@ -1,0 +1,42 @@
+//! Texts of a suite that reports show. With them, the same code renders reports on any suite.
+
+use ptm_suite::cases::Suite;
+use ptm_suite::clauses::{Clause, Ruling};
+use ptm_suite::test_case::TestCase;
+
+/// Texts of a suite.
+pub struct SuiteTexts {
+    /// Id and purpose of each case.
+    pub cases: Vec<(String, String)>,
+    /// The clauses that the suite tests.
+    pub clauses: Vec<Clause>,
+    /// The rulings on open questions of the specification.
+    pub rulings: Vec<Ruling>,
+    /// Id of each ruling that allows several readings, and name of the reading of the reference.
+    pub reference_readings: Vec<(&'static str, &'static str)>,
+}
+
+impl SuiteTexts {
+    /// Reads the texts of a suite.
+    ///
+    /// # Errors
+    /// Returns a message that names the file and the error.
+    pub fn new<C: TestCase>(suite: &Suite<C>) -> Result<SuiteTexts, String> {
+        let purpose = |case: &C| (case.id().to_owned(), case.because());
+        let choices = C::CHOICES.iter();
+        Ok(SuiteTexts {
+            cases: suite.cases.iter().map(purpose).collect(),
+            clauses: C::SUITE.clauses()?,
+            rulings: C::SUITE.rulings()?,
+            reference_readings: choices.map(|one| (one.ruling, one.readings[0].0)).collect(),
+        })
+    }
+
+    /// Returns the purpose of a case, in one or more lines, or `None` if the suite does not contain the case.
+    #[must_use]
+    pub fn purpose(&self, id: &str) -> Option<&str> {
+        let mut cases = self.cases.iter();
+        let case = cases.find(|(case, _)| case == id);
+        case.map(|(_, purpose)| purpose.as_str())
+    }
+}

@@ -1,0 +1,93 @@
+//! Sentences used in both text and HTML reports, and descriptions of misreadings from the catalogs.
+
+use crate::report::document::LikelyCause;
+use ptm_mistakes::{texture, writing};
+use ptm_suite::name::SuiteName;
+
+/// Looks up slugs in the catalogs of the suite and returns the slug, clause and effect of each. Unknown slugs are skipped.
+fn misreading_texts(suite: SuiteName, slugs: &[String]) -> impl Iterator<Item = [&str; 3]> {
+    slugs.iter().filter_map(move |slug| {
+        if suite == SuiteName::Writers {
+            return writing::find(slug).map(|one| [slug, one.clause, one.effect]);
+        }
+        let ptm = ptm_mistakes::find(slug).map(|one| [slug, one.clause, one.effect]);
+        ptm.or_else(|| texture::find(slug).map(|one| [slug, one.clause, one.effect]))
+    })
+}
+
+/// Maximum number of equivalent misreadings that are described. The rest are only counted.
+const MAX_EQUIVALENT_MISREADINGS: usize = 3;
+
+/// Additional sentence about a cause, without the final period: the text before a name, the name of a misreading or case (may be
+/// empty), the text after the name, and the page of the misreading on the site.
+type Detail<'a> = (String, &'a str, &'static str, Option<String>);
+
+/// Returns the details of a cause: misreadings with the same effect, accompanying misreadings, partly explained failures, and
+/// passing cases that contradict the cause.
+#[must_use]
+pub fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
+    let subject = suite.subject();
+    let mut details: Vec<Detail> = Vec::new();
+    let mut equivalent = misreading_texts(suite, &cause.equivalents);
+    for [slug, clause, effect] in equivalent.by_ref().take(MAX_EQUIVALENT_MISREADINGS) {
+        let before = format!("A decoder that {effect} would look the same (clause {clause}; ");
+        details.push((before, slug, ")", Some(suite.misreading_page(slug))));
+    }
+    let more = equivalent.count();
+    if more > 0 {
+        let plural = if more == 1 { "" } else { "s" };
+        let before = format!("{more} other misreading{plural} would look the same; see the report");
+        details.push((before, "", "", None));
+    }
+    for [slug, _, effect] in misreading_texts(suite, &cause.accompanying) {
+        let before = format!("In some of these cases, the {subject} also {effect} (");
+        details.push((before, slug, ")", None));
+    }
+    let partly = match cause.partial.len() {
+        1 => "1 other failure may have the same cause, at least in part".to_owned(),
+        count => format!("{count} other failures may have the same cause, at least in part"),
+    };
+    if !cause.partial.is_empty() {
+        details.push((partly, "", "", None));
+    }
+    if let Some(passing) = cause.contradicted_by.first() {
+        let count = cause.contradicted_by.len();
+        let passing_cases = match count {
+            1 => "1 case that passes".to_owned(),
+            _ => format!("{count} cases that pass"),
+        };
+        let before = format!(
+            "However, a {subject} with this mistake would also fail {passing_cases}, for example "
+        );
+        details.push((before, passing, "", None));
+    }
+    details
+}
+
+/// Name shown in reports if the decoder is a function in the process that started ptm-conform.
+pub const CALLER_COMMAND: &str = "a function of the caller";
+
+/// Returns lines that explain how the program under test is called.
+#[must_use]
+pub fn call_instructions(suite: SuiteName, command: &str) -> String {
+    match suite {
+        SuiteName::Texture => format!(
+            "Usage of a texture stage: DECODER texture FILE\nExample: {command} texture case.json\nFILE contains a question in JSON, and the answer is a JSON object on standard output; see spec-cases/texture/README.md."
+        ),
+        SuiteName::Writers => format!(
+            "Usage of a writer: WRITER write REQUEST OUT\nExample: {command} write request.json out.ptm\nREQUEST is a JSON file, and the PTM goes to OUT; see docs/writers.md."
+        ),
+        SuiteName::Fitters => format!(
+            "Usage of a fitter: FITTER fit REQUEST OUT\nExample: {command} fit request.json out.ptm\nREQUEST is a JSON file that names an .lp file, and the PTM goes to OUT; see docs/writers.md."
+        ),
+        SuiteName::Ptm if command == CALLER_COMMAND => {
+            "The functions raw(file), coef(file) and rgb(file, lu, lv) take the bytes of a file and return an image; see the README of the package.".to_owned()
+        }
+        SuiteName::Ptm if command.contains("{in}") => {
+            "A program called through --cmd reads the file {in} and writes an image to {out}, or prints it; see docs/check.md.".to_owned()
+        }
+        SuiteName::Ptm => format!(
+            "Usage of a decoder: DECODER VIEW FILE\nExample: {command} raw x.ptm\nFor raw, it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find the fault step by step, run: ptm-conform probe DECODER"
+        ),
+    }
+}

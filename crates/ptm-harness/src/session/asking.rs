@@ -1,0 +1,256 @@
+//! Requests for a case in a view, and their results.
+//!
+//! The decoder is a closure from request to reply, so simulated misreadings and external programs are judged in the same way.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use crate::session::plan::{Repeat, RunPlan};
+use crate::session::tally::Tally;
+use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::kit::parallel::run_on_threads;
+use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
+use ptm_suite::verdicts::observation::{Nondeterminism, Observation, Response};
+use ptm_suite::{dialect::RightDialects, test_case::TestCase};
+
+/// A reply to a request for a case.
+pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
+
+/// A decoder: a function from requests to replies. The number identifies the worker that sends the request.
+pub type DecoderFn<'a, C = Case> =
+    dyn Fn(&Request<'_, <C as TestCase>::View>, usize) -> ReplyTo<C> + Sync + 'a;
+
+/// A progress callback. It receives the number of finished items and the total.
+pub type CountCallback<'a> = dyn Fn(usize, usize) + Sync + 'a;
+
+/// Undoes a common transform: maps a received output, and the reference's output if known, to the output before the transform.
+pub type UndoFn<T> = dyn Fn(&T, Option<&T>) -> T + Send + Sync;
+
+/// A common transform of all images in a view. It has been reported, and is undone before images are compared.
+#[derive(Clone)]
+pub struct UndoneTransform<C: TestCase> {
+    /// The affected view.
+    pub view: &'static str,
+    /// Maps a received output to the output before the transform.
+    pub undo: Arc<UndoFn<C::Output>>,
+}
+
+/// Maximum number of requests that may exceed the higher time limit. Then, no more requests are repeated with it.
+const MAX_UNANSWERED: usize = 5;
+
+/// A run in progress: the decoder, the plan, and a count of the requests.
+pub struct Session<'a, C: TestCase> {
+    pub(super) suite: &'a Suite<C>,
+    pub(super) plan: &'a RunPlan,
+    pub(super) tally: Tally,
+    ask: &'a DecoderFn<'a, C>,
+    /// Common transforms that are undone before images are compared.
+    pub undone_transforms: Vec<UndoneTransform<C>>,
+}
+
+impl<'a, C: TestCase> Session<'a, C> {
+    /// Creates a session that has not sent any request yet.
+    #[must_use]
+    pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan, ask: &'a DecoderFn<'a, C>) -> Self {
+        Session {
+            suite,
+            plan,
+            tally: Tally::default(),
+            ask,
+            undone_transforms: Vec::new(),
+        }
+    }
+
+    /// Returns true if no more requests will be sent.
+    pub(crate) fn is_over(&self) -> bool {
+        self.end_reason().is_some()
+    }
+
+    pub(super) fn end_reason(&self) -> Option<String> {
+        if self.is_interrupted() {
+            return Some("the run was interrupted".to_owned());
+        }
+        let limit = self.tally.exceeded_limit.get()?;
+        Some(format!(
+            "the run ended early: the decoder {limit} on three legal files in a row"
+        ))
+    }
+
+    /// Returns true if the user has ended the run.
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.plan.stop.load(Ordering::Relaxed)
+    }
+
+    /// Returns the number of requests so far.
+    #[must_use]
+    pub fn requests_sent(&self) -> usize {
+        self.tally.calls.load(Ordering::Relaxed)
+    }
+
+    /// Requests `case` in `view` and compares the answer with the expected one. `worker` identifies a concurrent caller.
+    pub(super) fn observe(
+        &self,
+        case: &C,
+        view: &C::View,
+        table: TableSpelling,
+        worker: usize,
+        attempt: AttemptKind,
+    ) -> (Observation<C>, ReplyTo<C>) {
+        self.tally.calls.fetch_add(1, Ordering::Relaxed);
+        let (observation, reply) = self.request(case, view, table, worker, attempt);
+        if is_violation(&reply) {
+            self.tally.violations.fetch_add(1, Ordering::Relaxed);
+        }
+        if let (AttemptKind::Usual, Some(limit)) = (attempt, observation.response.time_limit()) {
+            let _ = self.tally.usual_limit.set(limit);
+        }
+        (observation, reply)
+    }
+
+    /// Requests a file that has exceeded the time limit once more, alone and with a higher limit. Returns `None` if the run was
+    /// interrupted, or if too many requests have exceeded the higher limit. The caller must not send other requests in parallel.
+    pub(super) fn observe_alone(
+        &self,
+        case: &C,
+        view: &C::View,
+        table: TableSpelling,
+    ) -> Option<(Observation<C>, ReplyTo<C>)> {
+        if self.plan.unanswered.load(Ordering::Relaxed) >= MAX_UNANSWERED || self.is_interrupted() {
+            return None;
+        }
+        let (observation, reply) = self.request(case, view, table, 0, AttemptKind::Alone);
+        if self.is_interrupted() {
+            return None;
+        }
+        if !is_violation(&reply) {
+            self.tally.violations.fetch_sub(1, Ordering::Relaxed);
+        }
+        if observation.response.time_limit().is_none() {
+            self.tally.record_slow_file(case.id());
+        }
+        Some((observation, reply))
+    }
+
+    /// Requests `case` while no other request is in progress. If it exceeds the time limit, requests it once more.
+    pub(super) fn observe_patiently(
+        &self,
+        case: &C,
+        view: &C::View,
+        table: TableSpelling,
+    ) -> Observation<C> {
+        let (observation, _) = self.observe(case, view, table, 0, AttemptKind::Usual);
+        match observation
+            .is_open()
+            .then(|| self.observe_alone(case, view, table))
+        {
+            Some(Some((patient, _))) => patient,
+            _ => observation,
+        }
+    }
+
+    /// Sends a request without counting it.
+    pub(super) fn request(
+        &self,
+        case: &C,
+        view: &C::View,
+        table: TableSpelling,
+        worker: usize,
+        attempt: AttemptKind,
+    ) -> (Observation<C>, ReplyTo<C>) {
+        let built = case.make(table);
+        let request = Request {
+            name: case.id(),
+            view,
+            file: C::file(&built),
+            max_frame_bytes: case.max_output_bytes(&built),
+            attempt,
+        };
+        let reply = (self.ask)(&request, worker);
+        if attempt == AttemptKind::Alone && is_timeout(&reply) {
+            self.plan.unanswered.fetch_add(1, Ordering::Relaxed);
+        }
+        let response = match &reply.answer {
+            Answer::Rejected => Response::Rejected,
+            Answer::Unsupported => Response::Unsupported,
+            Answer::Decoded(output) => {
+                let mut undo = self.undone_transforms.iter();
+                let undo = undo.find(|undo| undo.view == C::view_name(view));
+                let output = undo.map_or(Cow::Borrowed(output), |undo| {
+                    Cow::Owned((undo.undo)(output, case.expected_output(view).as_ref()))
+                });
+                let result = case.compare(&built, view, &output);
+                let differs =
+                    result.right != RightDialects::Regardless(true) && result.difference.is_some();
+                Response::Image {
+                    right: result.right,
+                    difference: result.difference,
+                    allowance: result.allowance,
+                    frame: differs.then(|| output.into_owned()),
+                }
+            }
+            _ => Response::Violation(reply.answer.clone()),
+        };
+        let observation = Observation {
+            view: view.clone(),
+            response,
+            weak: reply.is_ambiguous_refusal(),
+            stderr: reply.stderr.clone(),
+            attempt,
+            previous_request: reply.previous_request.clone(),
+            nondeterminism: serve_mode_failure(&reply),
+        };
+        (observation, reply)
+    }
+
+    /// Calls `work` with each number below `count`, in one thread per job. A worker stops when `work` returns false.
+    pub(super) fn run_in_parallel(&self, count: usize, work: impl Fn(usize, usize) -> bool + Sync) {
+        let (jobs, next) = (self.plan.jobs, AtomicUsize::new(0));
+        // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.
+        let fixed = self.plan.repeat == Repeat::FailuresAndSample;
+        run_on_threads(jobs, &|worker| {
+            let mut mine = (worker..count).step_by(jobs);
+            let any = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&place| place < count);
+            while let Some(place) = if fixed { mine.next() } else { any() } {
+                if !work(place, worker) {
+                    return;
+                }
+            }
+        });
+    }
+}
+
+/// Returns true if the request exceeded its time limit.
+pub(super) const fn is_timeout<T>(reply: &Reply<T>) -> bool {
+    matches!(reply.answer, Answer::TimedOut(_))
+}
+
+/// Returns true if a call ended in neither a frame nor a refusal, or a serving process did not answer.
+fn is_violation<T>(reply: &Reply<T>) -> bool {
+    reply.answer.violation().is_some() || reply.serve_mode_answer.is_some()
+}
+
+/// Returns the failure of a serving process, if a new process then answered within the limits. An exceeded time limit is not a
+/// failure of serve mode.
+pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> {
+    let served = reply.serve_mode_answer.as_ref()?;
+    if served.is_same_kind_as(&reply.answer) || matches!(served, Answer::TimedOut(_)) {
+        return None;
+    }
+    let after = previous_request_text(reply.previous_request.as_ref());
+    let (trouble, alone) = (served.describe(), reply.answer.name());
+    let says = format!("in serve mode{after}: {trouble}; in a new process it answers ({alone})");
+    Some(Nondeterminism {
+        in_serve_mode: true,
+        message: says,
+    })
+}
+
+/// Describes the place of a request in its process: after the previous request, or first.
+pub(super) fn previous_request_text(before: Option<&String>) -> String {
+    match before {
+        Some(case) => format!(", after {case}"),
+        None => ", as the first request".to_owned(),
+    }
+}

@@ -1,0 +1,121 @@
+//! The plan of a run: the selected cases and the options.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize};
+
+use serde::{Deserialize, Serialize};
+
+use ptm_suite::cases::{Expect, Suite, TableSpelling};
+use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::test_case::TestCase;
+
+/// The plan of a run.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct RunPlan {
+    /// One flag per case of the suite: true if the case is judged.
+    pub selected: Vec<bool>,
+    /// Number of parallel requests, at least 1.
+    #[serde(skip)]
+    pub jobs: usize,
+    /// Requested views; if empty, all views that the decoder offers.
+    pub views: Vec<String>,
+    /// The views that the decoder declares; empty if it declares none.
+    pub declared_views: Vec<String>,
+    /// The names of the kinds of cases that the decoder declares; empty if it declares none.
+    pub declared_kinds: Vec<String>,
+    /// The cases to repeat.
+    pub repeat: Repeat,
+    /// One flag per case of the suite: true if the case is requested before the others. Empty if no case has priority.
+    #[serde(skip)]
+    pub prioritized: Vec<bool>,
+    /// The reasons why cases are not requested, one slot per case; `None` for requested cases. Empty if all are requested.
+    pub withheld: Vec<Option<String>>,
+    /// True if the answers were produced before the run. If so, there are no first files, and tables have the default spelling.
+    pub precomputed: bool,
+    /// Number of requests so far that exceeded the higher time limit of [`AttemptKind::Alone`](ptm_suite::protocol::request::AttemptKind::Alone).
+    #[serde(skip)]
+    pub unanswered: Arc<AtomicUsize>,
+    /// Flag that is set when the user ends the run.
+    #[serde(skip)]
+    pub stop: Arc<AtomicBool>,
+}
+
+/// Selection of cases that are repeated in a new process to find nondeterminism.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Repeat {
+    /// No cases: the answers come from this process or from files, so no process can be restarted.
+    #[default]
+    Nothing,
+    /// Failures, because the decoder may be nondeterministic.
+    Failures,
+    /// Failures, and one in [`SAMPLE_INTERVAL`] of the other cases, because a serving process may leak state between files.
+    FailuresAndSample,
+}
+
+/// Interval at which cases that did not fail are repeated.
+pub const SAMPLE_INTERVAL: usize = 100;
+
+impl RunPlan {
+    /// Creates a plan that requests every case once, for a decoder that declares no capabilities.
+    #[must_use]
+    pub fn new<C: TestCase>(suite: &Suite<C>, jobs: usize) -> RunPlan {
+        RunPlan {
+            selected: vec![true; suite.cases.len()],
+            jobs,
+            ..RunPlan::default()
+        }
+    }
+
+    /// Returns the name that reports use for the mode of the decoder.
+    #[must_use]
+    pub fn mode(&self) -> &'static str {
+        match self.repeat {
+            _ if self.precomputed => "outputs",
+            Repeat::FailuresAndSample => "serve",
+            _ => "one-shot",
+        }
+    }
+
+    /// Returns true if neither the user nor the decoder's declaration excludes a view.
+    pub(super) fn allows_view(&self, view: &str) -> bool {
+        let allows = |views: &[String]| views.is_empty() || views.iter().any(|known| known == view);
+        allows(&self.views) && allows(&self.declared_views)
+    }
+
+    pub(super) fn is_requested(&self, i: usize) -> bool {
+        self.withheld.get(i).is_none_or(Option::is_none)
+    }
+
+    /// Returns, for each case of the suite, the reason why it is not requested if tables have this spelling, or `None` if it is
+    /// requested.
+    pub(super) fn withheld_in<C: TestCase>(
+        &self,
+        suite: &Suite<C>,
+        table: TableSpelling,
+    ) -> Vec<Option<String>> {
+        let mut withheld = self.withheld.clone();
+        withheld.resize(suite.cases.len(), None);
+        if self.precomputed && table != TableSpelling::default() {
+            for (case, why) in suite.cases.iter().zip(&mut withheld) {
+                if case.has_table() && case.expect() != Expect::Spelling {
+                    why.get_or_insert_with(|| {
+                        "the decoder does not support this file's table spelling".to_owned()
+                    });
+                }
+            }
+        }
+        withheld
+    }
+
+    /// Returns the plan for a decoder with these capabilities.
+    #[must_use]
+    pub fn with_capabilities(self, capabilities: &Capabilities) -> RunPlan {
+        let formats = capabilities.formats.iter().flatten();
+        let views = capabilities.views.iter().flatten();
+        RunPlan {
+            declared_views: views.map(|view| (*view).to_owned()).collect(),
+            declared_kinds: formats.map(|of| of.short_name().to_owned()).collect(),
+            ..self
+        }
+    }
+}

@@ -1,0 +1,263 @@
+//! Verdicts from observations. [`outcome`] is the table of verdicts. Some of its rows depend on other observations: whether the
+//! valid twin of a malformed file was decoded, whether a feature is supported, and how the decoder reads an open question. These
+//! facts are derived here, from observations alone.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::cases::{Case, Expect, Suite};
+use crate::dialect::{Dialect, RightDialects};
+use crate::test_case::TestCase;
+use crate::verdicts::dialect::{Certainty, DependentAnswers, dialect_of};
+use crate::verdicts::observation::{Observation, Response};
+use crate::verdicts::offer::Offer;
+use crate::verdicts::outcome::{Outcome, ResponseKind, Verdict, outcome};
+
+/// The result of judging a decoder.
+#[derive(Clone, Debug)]
+pub struct Judgment<C: TestCase = Case> {
+    /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
+    pub cases: Vec<Option<Verdict>>,
+    /// Reading of each open question. If no case reveals the decoder's reading, this is the reading of the reference.
+    pub dialect: Dialect,
+    /// Certainty of each reading.
+    pub certainties: Vec<Certainty>,
+    /// Features that the decoder does not support.
+    pub unsupported: BTreeSet<C::Feature>,
+    /// Features with at least one decoded file.
+    pub decoded: BTreeSet<C::Feature>,
+}
+
+impl<C: TestCase> Judgment<C> {
+    /// Returns the indices of the cases with this outcome.
+    pub fn with_outcome(&self, outcome: Outcome) -> impl Iterator<Item = usize> {
+        let judged = self.cases.iter().enumerate();
+        judged.filter_map(move |(i, of)| (of.as_ref()?.outcome == outcome).then_some(i))
+    }
+}
+
+/// Judges the observations of a run. `observations` has a slot for each case of the suite: `None` if no view of the case is
+/// offered. `selected` marks the cases to judge; the others only serve as twins.
+#[must_use]
+pub fn judge<C: TestCase>(
+    suite: &Suite<C>,
+    selected: &[bool],
+    observations: &[Option<Observation<C>>],
+    offer: &Offer<C>,
+) -> Judgment<C> {
+    let answers = DependentAnswers::new(suite, observations);
+    let (dialect, certain) = dialect_of(&answers);
+    let (unsupported, decoded) = features(suite, observations, offer);
+    let twins = C::twins(&suite.cases);
+    let reads_some_spelling = (suite.cases.iter().enumerate())
+        .any(|(i, case)| case.expect() == Expect::Spelling && answers.is_right(i, &dialect));
+    let judged = |i: usize| {
+        let Some(observation) = &observations[i] else {
+            return verdict(Outcome::NotJudged, "no view of the case is supported");
+        };
+        let facts = CaseFacts {
+            index: i,
+            case: &suite.cases[i],
+            observation,
+            twins: &twins[i],
+            answers: &answers,
+            dialect: &dialect,
+            unsupported: &unsupported,
+            reads_some_spelling,
+        };
+        facts.verdict(offer)
+    };
+    let cases = (0..suite.cases.len()).map(|i| selected[i].then(|| judged(i)));
+    Judgment {
+        cases: cases.collect(),
+        dialect,
+        certainties: certain,
+        unsupported,
+        decoded,
+    }
+}
+
+struct CaseFacts<'a, C: TestCase> {
+    /// Index of the case in the suite.
+    index: usize,
+    case: &'a C,
+    observation: &'a Observation<C>,
+    /// Indices of the valid twins of the case.
+    twins: &'a [usize],
+    answers: &'a DependentAnswers<'a, C>,
+    dialect: &'a Dialect,
+    unsupported: &'a BTreeSet<C::Feature>,
+    /// True if the decoder read at least one table spelling correctly.
+    reads_some_spelling: bool,
+}
+
+fn verdict(outcome: Outcome, message: impl Into<String>) -> Verdict {
+    let message = message.into();
+    Verdict { outcome, message }
+}
+
+fn fail(says: impl Into<String>) -> Verdict {
+    verdict(Outcome::Fail, says)
+}
+
+impl<C: TestCase> CaseFacts<'_, C> {
+    /// Returns the outcome and the reason, according to the table and the exceptions in docs/protocol.md.
+    fn verdict(&self, offer: &Offer<C>) -> Verdict {
+        let (case, observation) = (self.case, self.observation);
+        let expect = case.expect();
+        if let Some(how) = &observation.nondeterminism {
+            return fail(&*how.message);
+        }
+        if offer.is_broken_by(case, observation, self.unsupported) {
+            let kind = case.kind();
+            return fail(format!(
+                "its capabilities declare {kind}, but it decodes no file of this kind and exits with 69 (unsupported)"
+            ));
+        }
+        // True if the decoder supports every feature that the case needs, and this view for its kind.
+        let view = &observation.view;
+        let is_supported = case.features(view).is_disjoint(self.unsupported);
+        let is_supported = is_supported && !offer.lacks(view, &case.kind());
+        let outcome = outcome(expect, is_supported, self.response_kind());
+        if outcome == Outcome::Unsupported {
+            return verdict(outcome, "");
+        }
+        if let Some(says) = self.undecoded_twin_reason() {
+            return verdict(Outcome::Inconclusive, says);
+        }
+        match &observation.response {
+            _ if outcome == Outcome::Pass => verdict(outcome, ""),
+            Response::Violation(answer) => fail(answer.describe()),
+            Response::Rejected => match (expect, case.expected_text()) {
+                (Expect::ImplementationDefined, expected) => {
+                    let expected = expected.unwrap_or_default();
+                    let says = format!("received a refusal; the reference answers {expected}");
+                    verdict(outcome, says)
+                }
+                (_, Some(expected)) => fail(format!("expected {expected}, received a refusal")),
+                (_, None) => fail("refused a legal file"),
+            },
+            Response::Unsupported if expect == Expect::Reject => {
+                fail("exited with 69 (unsupported) on a malformed file of a kind that it decodes")
+            }
+            Response::Unsupported => fail(C::UNSUPPORTED_MESSAGE),
+            Response::Image {
+                right, difference, ..
+            } => {
+                let own = self.answers.difference(self.index, self.dialect);
+                let differs = own.as_ref().or(difference.as_ref());
+                let differs = differs.map(ToString::to_string).unwrap_or_default();
+                self.wrong_image_verdict(right, differs)
+            }
+        }
+    }
+
+    fn response_kind(&self) -> ResponseKind {
+        match &self.observation.response {
+            _ if self.answers.is_right(self.index, self.dialect) => ResponseKind::Expected,
+            Response::Image { .. } => ResponseKind::Different,
+            Response::Rejected => ResponseKind::Rejected,
+            Response::Unsupported => ResponseKind::Unsupported,
+            Response::Violation(_) => ResponseKind::Violation,
+        }
+    }
+
+    /// If the case has twins and none was decoded, returns the reason why a refusal proves nothing.
+    fn undecoded_twin_reason(&self) -> Option<String> {
+        match self.twins {
+            [] => None,
+            twins if twins.iter().any(|&twin| self.answers.is_image(twin)) => None,
+            [first, others @ ..] => {
+                let id = self.answers.suite.cases[*first].id();
+                Some(if others.is_empty() {
+                    format!("its twin {id} was not decoded")
+                } else {
+                    format!("no legal file of its kind (such as {id}) was decoded")
+                })
+            }
+        }
+    }
+
+    /// Returns the verdict on a wrong image, or on any image of a file that must be refused.
+    fn wrong_image_verdict(&self, right: &RightDialects, difference: String) -> Verdict {
+        let is_right = |&twin: &usize| self.answers.is_right(twin, self.dialect);
+        match (self.case.expect(), right) {
+            (Expect::Reject | Expect::Refuse, _) => {
+                fail(format!("{}: {}", C::ACCEPTED_MESSAGE, self.case.fault()))
+            }
+            (Expect::Spelling, _) if self.reads_some_spelling => verdict(Outcome::OtherDialect, ""),
+            (Expect::Lenient | Expect::Robust, _)
+                if !self.twins.is_empty() && !self.twins.iter().any(is_right) =>
+            {
+                verdict(Outcome::Inconclusive, "its twin was decoded incorrectly")
+            }
+            (Expect::ImplementationDefined, _) => verdict(
+                Outcome::ImplementationDefined,
+                format!("left to the implementation; the reference differs: {difference}"),
+            ),
+            (_, RightDialects::Depends { axes, .. }) => {
+                let mut dialects = C::CHOICES.combinations(axes).into_iter();
+                match dialects.find(|other| self.answers.is_right(self.index, other)) {
+                    Some(other) => fail(self.mixed_readings_text(axes, &other) + &difference),
+                    None => fail(difference),
+                }
+            }
+            _ => fail(difference),
+        }
+    }
+
+    /// Describes the readings that the decoder mixes. The answer is right in the `other` dialect.
+    fn mixed_readings_text(&self, axes: &[usize], other: &Dialect) -> String {
+        let differs = |&&axis: &&usize| other.0[axis] != self.dialect.0[axis];
+        let readings = axes.iter().filter(differs).map(|&axis| {
+            let choice = &C::CHOICES[axis];
+            let name = |dialect: &Dialect| choice.readings[dialect.0[axis]].0;
+            let (here, elsewhere) = (name(other), name(self.dialect));
+            format!("{}: {here} here, {elsewhere} elsewhere", choice.ruling)
+        });
+        let readings: Vec<String> = readings.collect();
+        format!("mixes readings ({}): ", readings.join("; "))
+    }
+}
+
+/// Returns the unsupported and the decoded features. A feature is unsupported if none of its must-accept files was decoded and
+/// most were answered with 69. The others may have been refused because of a different mistake, for example in the header.
+fn features<C: TestCase>(
+    suite: &Suite<C>,
+    observations: &[Option<Observation<C>>],
+    offer: &Offer<C>,
+) -> (BTreeSet<C::Feature>, BTreeSet<C::Feature>) {
+    // For each feature, the number of files and the number answered with 69.
+    let mut asked: BTreeMap<C::Feature, (usize, usize)> = BTreeMap::new();
+    let mut decoded = BTreeSet::new();
+    for (case, seen) in suite.cases.iter().zip(observations) {
+        let Some(observation) = seen else { continue };
+        let kind = case.kind();
+        // The first files of an unsupported kind were answered with 69, even if they are not selected.
+        if offer.unsupported.contains(&kind) {
+            asked.entry(kind.clone()).or_insert((1, 1));
+        }
+        if !matches!(
+            case.expect(),
+            Expect::Decode | Expect::ImplementationDefined
+        ) {
+            continue;
+        }
+        let unsupported = matches!(observation.response, Response::Unsupported);
+        for feature in case.features(&observation.view) {
+            // A missing view proves nothing about the kind.
+            if unsupported && feature == kind && offer.lacks(&observation.view, &kind) {
+                continue;
+            }
+            let (all, answered) = asked.entry(feature.clone()).or_default();
+            *all += 1;
+            *answered += usize::from(unsupported);
+            if matches!(observation.response, Response::Image { .. }) {
+                decoded.insert(feature);
+            }
+        }
+    }
+    asked.retain(|feature, (all, unsupported)| {
+        *unsupported * 2 > *all && !decoded.contains(feature)
+    });
+    (asked.into_keys().collect(), decoded)
+}

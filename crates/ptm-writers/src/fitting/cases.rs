@@ -1,0 +1,148 @@
+//! Cases of the fitter suite, and the causes of their failures.
+
+use std::collections::BTreeMap;
+
+use crate::diagnose::{describe, describe_differences};
+use crate::fitting::mistakes::{MISTAKES, WrongMap};
+use crate::fitting::photographs::{FORMATS, FitRequest, ImageSet};
+use crate::fitting::sets::{SETS, SetPlan};
+use crate::test_case::{BuiltRequest, FileCase, RequestValues, wrong_file};
+use crate::{fault::WriterFault, fitting::judge::judge};
+use ptm::Format;
+use ptm_harness::diagnose::Diagnosis;
+use ptm_harness::diagnose::cover::{CoverCandidate, cover};
+use ptm_harness::runner::write::Attachment;
+use ptm_harness::session::run::Run;
+use ptm_mistakes::Misreading;
+use ptm_suite::cases::{Expect, Suite};
+use ptm_suite::name::SuiteName;
+use ptm_suite::verdicts::outcome::Outcome;
+
+/// A set of photographs to which a map in a given format is fitted.
+pub type FitCase = FileCase<ImageSource>;
+
+/// Source of the photographs for a case.
+#[derive(Clone, Debug)]
+pub enum ImageSource {
+    /// Generated photographs.
+    Generated(&'static SetPlan),
+    /// Photographs provided by the user.
+    Provided(ImageSet),
+}
+
+/// Creates a suite with the generated photographs and, optionally, the user's photographs.
+pub fn load_fitter_requests(user_set: Option<&ImageSet>) -> Suite<FitCase> {
+    let generated = SETS.iter().map(ImageSource::Generated);
+    let sources = generated.chain(user_set.cloned().map(ImageSource::Provided));
+    let cases = sources.flat_map(|source| {
+        const OWN: &str = "The request contains the images that the --lp file lists.";
+        let (name, because, clause) = match &source {
+            ImageSource::Generated(plan) => (&*plan.name, &*plan.because, &*plan.clause),
+            ImageSource::Provided(_) => ("own", OWN, "1.0/1"),
+        };
+        FORMATS.map(|format| FitCase {
+            id: format!("fit-{}-{name}", format.short_name().to_lowercase()),
+            because: because.to_owned(),
+            clauses: vec![clause.to_owned()],
+            expect: Expect::Decode,
+            first: name == SETS[0].name,
+            smoke: true,
+            format,
+            values: source.clone(),
+        })
+    });
+    let cases = cases.collect();
+    Suite { cases }
+}
+
+impl ImageSource {
+    fn photographs(&self, format: Format) -> ImageSet {
+        match self {
+            ImageSource::Generated(plan) => plan.make(format),
+            ImageSource::Provided(set) => set.clone(),
+        }
+    }
+}
+
+impl RequestValues for ImageSource {
+    type Request = ImageSet;
+
+    const SUITE: SuiteName = SuiteName::Fitters;
+    const VERB: &'static str = "fit";
+    const EXPECTED: &'static str = "a map that fits the images";
+
+    fn build(&self, format: Format) -> BuiltRequest<ImageSet> {
+        let set = self.photographs(format);
+        let request = FitRequest {
+            format: format.name().to_owned(),
+            width: set.size.width,
+            height: set.size.height,
+            lp: "{lp}".to_owned(),
+        };
+        BuiltRequest {
+            json: serde_json::to_string_pretty(&request).expect("numbers and names"),
+            size: set.size,
+            request: set,
+        }
+    }
+
+    fn attachments(built: &BuiltRequest<ImageSet>) -> Vec<Attachment> {
+        let mut attachments = vec![Attachment {
+            name: "lp".to_owned(),
+            file_name: "lights.lp".to_owned(),
+            bytes: built.request.lp().into_bytes(),
+        }];
+        let images = built.request.photographs.iter().enumerate();
+        attachments.extend(images.map(|(k, photograph)| Attachment {
+            name: format!("picture-{k}"),
+            file_name: photograph.name.clone(),
+            bytes: photograph.png(built.size),
+        }));
+        attachments
+    }
+
+    fn judge(set: &ImageSet, format: Format, file: &[u8]) -> Result<(), WriterFault> {
+        judge(set, format, file)
+    }
+
+    fn to_bytes(built: &BuiltRequest<ImageSet>) -> Vec<u8> {
+        let mut bytes = built.request.lp().into_bytes();
+        for photograph in &built.request.photographs {
+            bytes.extend(&photograph.pixels);
+        }
+        bytes
+    }
+
+    fn describe(built: &BuiltRequest<ImageSet>) -> (&'static str, String) {
+        ("Lights and images", built.request.lp())
+    }
+
+    fn diagnose(
+        suite: &Suite<FitCase>,
+        run: &Run<FitCase>,
+        _: usize,
+    ) -> Vec<Diagnosis<&'static Misreading>> {
+        let mut failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
+        let wrong_map = |index: usize| wrong_file(run.observations[index].as_ref());
+        let mut evidence: BTreeMap<usize, WrongMap> = BTreeMap::new();
+        for &index in &failing {
+            let (case, file) = (&suite.cases[index], wrong_map(index).map(|(file, _)| file));
+            let map = |file| WrongMap::new(case.values.photographs(case.format), case.format, file);
+            evidence.extend(file.and_then(map).map(|map| (index, map)));
+        }
+        let candidates = MISTAKES.iter().filter_map(|mistake| {
+            let shows = |index: usize| evidence.get(&index).is_some_and(|map| map.matches(mistake));
+            CoverCandidate::new(mistake, &failing, shows, &[], |_| false)
+        });
+        let mut diagnoses = Vec::new();
+        for candidate in cover(candidates.collect(), &mut failing) {
+            let (mistake, first) = (candidate.cause, candidate.explains[0]);
+            let fault = wrong_map(first).map_or("", |(_, fault)| &fault.message);
+            let example = format!("for example {}: {fault}", suite.cases[first].id);
+            let cause = describe(&mistake.clause, (&mistake.effect, &mistake.fix), example);
+            diagnoses.push(Diagnosis::new(cause, candidate.explains));
+        }
+        diagnoses.extend(describe_differences(suite, run, &failing));
+        diagnoses
+    }
+}

@@ -1,0 +1,51 @@
+//! Compares a fitted map with the photographs.
+//!
+//! Under each light, the root-mean-square error is compared with the error of the least-squares optimum, quantized to the same
+//! format. A tolerance allows for different rounding, and for fits that are better under one light and worse under another.
+
+use crate::fitting::{photographs::ImageSet, polynomials::Polynomials};
+use crate::judge::{check_lint, compare_map, refusal};
+use crate::{fault::WriterFault, fitting::optimum::optimum};
+use ptm::Format;
+use ptm::decode::decode;
+
+/// Tolerance for the error: a factor, and an additional number of 8-bit levels.
+const FIT_TOLERANCE: (f64, f64) = (1.25, 1.0);
+
+/// Returns the maximum allowed error, given the error of the optimum.
+pub(super) fn max_error(best: f64) -> f64 {
+    best * FIT_TOLERANCE.0 + FIT_TOLERANCE.1
+}
+
+/// Judges a file that was fitted to `set`.
+///
+/// # Errors
+/// Returns the fault of the file.
+pub fn judge(set: &ImageSet, format: Format, file: &[u8]) -> Result<(), WriterFault> {
+    let ptm = decode(file).map_err(|error| refusal(file, &error))?;
+    compare_map(format, set.size, &ptm)?;
+    let found = Polynomials::new(&ptm).expect("the format is not LUM");
+    compare_errors(set, format, &found)?;
+    check_lint(file)
+}
+
+/// Compares the error under each light with the error of the optimum.
+fn compare_errors(set: &ImageSet, format: Format, found: &Polynomials) -> Result<(), WriterFault> {
+    let best = Polynomials::new(&optimum(set, format)).expect("the format is not LUM");
+    let (errors, best) = (found.errors(set), best.errors(set));
+    let excess = |k: &usize| errors[*k] - max_error(best[*k]);
+    let worst = (0..errors.len()).max_by(|i, j| excess(i).total_cmp(&excess(j)));
+    let Some(worst) = worst.filter(|k| excess(k) > 0.0) else {
+        return Ok(());
+    };
+    let [u, v] = set.photographs[worst].direction();
+    let over = (0..errors.len()).filter(|k| excess(k) > 0.0).count();
+    let (name, lights) = (&set.photographs[worst].name, errors.len());
+    let (error, best) = (errors[worst], best[worst]);
+    let allowed = max_error(best);
+    let says = format!(
+        "under light {u:.3}, {v:.3} ({name}), the RMS error of the map is {error:.2}, but at most {allowed:.2} is \
+         allowed (the least-squares optimum has {best:.2}); the error is too large under {over} of {lights} lights"
+    );
+    Err(WriterFault::new("1.0/1", says))
+}
