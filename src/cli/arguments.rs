@@ -2,8 +2,10 @@
 
 use std::time::Duration;
 
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
 use ptm::Format;
-use ptm_suite::protocol::frame::EXIT_UNSUPPORTED;
+use ptm_suite::protocol::frame::{EXIT_UNSUPPORTED, ViewKind};
 
 /// Converts a timeout in seconds to a duration. Rejects zero, negative and non-finite values.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
@@ -49,6 +51,12 @@ pub fn id_filter(patterns: &[String]) -> Result<impl Fn(&str) -> bool + use<>, S
 pub fn is_at_or_below(clause: &str, requested: &str) -> bool {
     let rest = clause.strip_prefix(requested);
     rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['/', '.', '-']))
+}
+
+/// Returns a parser for the name of a view.
+pub fn view_parser() -> impl TypedValueParser<Value = ViewKind> {
+    PossibleValuesParser::new(ViewKind::NAMES)
+        .map(|name| ViewKind::from_name(&name).expect("a possible value"))
 }
 
 /// Parses the short name of a format in upper or lower case.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::calls::{StopFlag, quote_command};
-use super::check_args::CheckArgs;
+use super::check_args::{CheckArgs, DecoderSuite};
 use super::display::Display;
 use super::ending::ReportWriter;
 use super::guard::{ScratchGuard, stop_on_signals};
@@ -38,9 +38,9 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     if is_reference {
         print("No decoder given: checking the built-in reference.\n");
     }
-    let status = match args.suite.as_str() {
-        "texture" => check_stage(args, &stop),
-        _ => check_decoder(args, &stop),
+    let status = match args.suite {
+        DecoderSuite::Ptm => check_decoder(args, &stop),
+        DecoderSuite::Texture => check_stage(args, &stop),
     }?;
     if is_reference {
         print("This was the built-in reference. ");

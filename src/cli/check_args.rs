@@ -3,9 +3,9 @@
 use std::ffi::OsString;
 use std::path::PathBuf;
 
-use clap::Args;
+use clap::{Args, ValueEnum};
 
-use super::arguments::{id_filter, is_at_or_below, parse_refusal};
+use super::arguments::{id_filter, is_at_or_below, parse_refusal, view_parser};
 use super::calls::{RunArgs, quote_command};
 use super::{CommandError, EXIT_NOTHING_SELECTED};
 use super::{ending::OutputArgs, names::did_you_mean};
@@ -14,6 +14,14 @@ use ptm_harness::runner::processes;
 use ptm_harness::session::plan::SAMPLE_INTERVAL;
 use ptm_suite::protocol::frame::ViewKind;
 use ptm_suite::{cases::Suite, test_case::TestCase};
+
+// Comments on the variants would appear in the help text.
+/// A suite for decoders.
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum DecoderSuite {
+    Ptm,
+    Texture,
+}
 
 /// Run the suite on a decoder and name the clauses that it misreads.
 ///
@@ -37,11 +45,11 @@ pub struct CheckArgs {
     #[arg(long = "clause", value_name = "ID")]
     pub clauses: Vec<String>,
     /// The suite: PTM files, or the texture mapping table (the decoder is called as `DECODER texture FILE`).
-    #[arg(long, value_name = "SUITE", default_value = "ptm", value_parser = ["ptm", "texture"])]
-    pub suite: String,
+    #[arg(long, value_name = "SUITE", value_enum, default_value = "ptm")]
+    pub suite: DecoderSuite,
     /// Request only this view. Repeatable.
-    #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]
-    pub views: Vec<String>,
+    #[arg(long = "view", value_name = "VIEW", value_parser = view_parser())]
+    pub views: Vec<ViewKind>,
     /// Run only one part of the suite, for example 3/8, and keep all responses in REPORT.answers for `report merge`, where REPORT
     /// is the file of --report.
     #[arg(long, value_name = "I/N")]

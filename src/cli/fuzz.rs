@@ -49,8 +49,8 @@ pub struct FuzzArgs {
     #[arg(long = "ptm-format", alias = "format", value_name = "FORMAT", value_parser = super::arguments::parse_format)]
     formats: Vec<Format>,
     /// Request only this view. Repeatable.
-    #[arg(long = "view", value_name = "VIEW", value_parser = ViewKind::NAMES)]
-    views: Vec<String>,
+    #[arg(long = "view", value_name = "VIEW", value_parser = super::arguments::view_parser())]
+    views: Vec<ViewKind>,
     /// Start a process for each call, even if the decoder's capabilities declare serve mode.
     #[arg(long)]
     one_shot: bool,

@@ -8,7 +8,7 @@ use ptm_harness::runner::run::Decoder;
 use ptm_harness::runner::scratch::Scratch;
 use ptm_harness::session::files::{FileResult, FilesReport, check_file};
 use ptm_suite::kit::yaml::to_yaml;
-use ptm_suite::protocol::frame::View;
+use ptm_suite::protocol::frame::{View, ViewKind};
 use ptm_suite::protocol::request::Request;
 
 use super::files::{read, with_path, write_atomically};
@@ -19,7 +19,7 @@ use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 /// Checks the PTM files in `directory` and writes `report`. Requests the views in `requested`, or all views if there are none.
 pub fn check(
     directory: &Path,
-    requested: &[String],
+    requested: &[ViewKind],
     report: &Path,
     decoder: &Decoder,
     scratch: &Scratch,
@@ -36,7 +36,7 @@ pub fn check(
     }
     let views = ["raw", "coef", View::DEFAULT_RGB].map(|view| view.parse().expect("a view"));
     let mut views: Vec<View> = views.into();
-    views.retain(|view| requested.is_empty() || requested.iter().any(|name| name == view.name()));
+    views.retain(|view| requested.is_empty() || requested.contains(&view.kind()));
     let ask = |request: &Request<'_>| decoder.ask(request, scratch);
     let results: Result<Vec<_>, String> = with_progress(|progress| {
         let results = paths.iter().enumerate().map(|(i, path)| {

@@ -25,7 +25,7 @@ pub struct NamedDecoder {
     /// Command line for the report.
     pub words: Vec<String>,
     /// Requested views; empty for all views that the decoder supports.
-    pub views: Vec<String>,
+    pub views: Vec<ViewKind>,
     /// Reasons why cases are not requested, one entry per case; empty if all cases are requested.
     pub withheld: Vec<Option<String>>,
 }
@@ -65,12 +65,12 @@ impl NamedDecoder {
         suite: &Suite,
         stop: &Arc<AtomicBool>,
     ) -> Result<NamedDecoder, String> {
-        let is_requested = |view: &String| args.views.contains(view);
-        let views = ViewKind::NAMES.map(str::to_owned).into_iter();
+        let mut views = ViewKind::ALL.to_vec();
+        views.retain(|view| args.views.contains(view));
         let named = |answers: Answers, words: Vec<String>| NamedDecoder {
             answers,
             words,
-            views: views.clone().filter(is_requested).collect(),
+            views: views.clone(),
             withheld: Vec::new(),
         };
         if let Some(socket) = &args.caller {
@@ -83,7 +83,7 @@ impl NamedDecoder {
             let directory = directory.to_string_lossy().into_owned();
             let words = vec!["--outputs".to_owned(), directory];
             return Ok(NamedDecoder {
-                views: vec![outputs.view.to_owned()],
+                views: vec![outputs.view],
                 withheld: outputs.withheld(suite),
                 ..named(Answers::Precomputed(outputs), words)
             });
@@ -105,13 +105,13 @@ impl NamedDecoder {
         let template = Template::parse(text)?;
         if !template.has_view() {
             if self.views.is_empty() {
-                self.views.push("rgb".to_owned());
+                self.views.push(ViewKind::Rgb);
             }
             if self.views.len() > 1 {
                 let says = "without {view}, a template serves only one view; select it with --view";
                 return Err("--cmd: ".to_owned() + says);
             }
-            if self.views == ["rgb"] && !template.has_light() {
+            if self.views == [ViewKind::Rgb] && !template.has_light() {
                 return Err("--cmd: view rgb needs the light: {lu} and {lv}, or {view}".to_owned());
             }
         }

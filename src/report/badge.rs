@@ -2,7 +2,7 @@
 
 use maud::html;
 
-use ptm_harness::report::document::Report;
+use ptm_harness::report::document::{Report, Verdict};
 use ptm_suite::name::SuiteName;
 use ptm_suite::verdicts::scores::Fraction;
 
@@ -22,9 +22,9 @@ pub fn badge(report: &Report) -> String {
         SuiteName::Fitters => "PTM fit",
     };
     let scores = &report.scores;
-    let passed = report.verdict == "pass";
+    let passed = report.verdict == Verdict::Pass;
     let score_text = match (&report.reason, passed) {
-        (Some(_), _) => report.verdict.clone(),
+        (Some(_), _) => report.verdict.to_string(),
         (None, true) => format!("✓ {}", scores.correctness),
         (None, false) => format!("✗ {}", scores.correctness),
     };

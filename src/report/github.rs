@@ -4,7 +4,7 @@
 
 use std::fmt::{self, Write};
 
-use ptm_harness::report::document::{CaseResult, LikelyCause, Report};
+use ptm_harness::report::document::{CaseResult, LikelyCause, Report, Verdict};
 use ptm_suite::address::published_url;
 use ptm_suite::verdicts::outcome::Outcome;
 
@@ -37,7 +37,7 @@ fn errors(report: &Report) -> Vec<(String, String)> {
     let name = report.suite.short_title();
     let mut errors: Vec<(String, String)> = Vec::new();
     if let Some(reason) = &report.reason {
-        errors.push((report.verdict.clone(), reason.clone()));
+        errors.push((report.verdict.to_string(), reason.clone()));
     }
     let remarks = report.remarks.iter().filter(|remark| remark.failure);
     errors.extend(remarks.map(|remark| (format!("{name} conformance"), remark.message.clone())));
@@ -81,7 +81,7 @@ pub fn summary(report: &Report, suite_size: usize) -> String {
 fn write_head(report: &Report, out: &mut String) -> fmt::Result {
     let suite = report.suite.short_title();
     let command = inline_code(&report.decoder.command);
-    let sign = ["❌", "✅"][usize::from(report.verdict == "pass")];
+    let sign = ["❌", "✅"][usize::from(report.verdict == Verdict::Pass)];
     writeln!(out, "## {sign} {suite}: {command}: {}\n", report.verdict)?;
     if let Some(reason) = &report.reason {
         for line in reason.lines() {

@@ -46,7 +46,7 @@ pub fn junit(report: &Report) -> String {
         ("correctness", report.scores.correctness.to_string()),
         ("breadth", report.scores.breadth.to_string()),
         ("robustness", report.scores.robustness.to_string()),
-        ("verdict", report.verdict.clone()),
+        ("verdict", report.verdict.to_string()),
     ];
     let xml = html! {
         (PreEscaped("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"))

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::fmt::{self, Write};
 
-use ptm_harness::report::document::{CaseResult, FollowedReading, LikelyCause, Report};
+use ptm_harness::report::document::{CaseResult, FollowedReading, LikelyCause, Report, Verdict};
 use ptm_harness::report::leniency::Leniency;
 use ptm_harness::report::suite_texts::SuiteTexts;
 use ptm_harness::report::words::{call_instructions, details};
@@ -200,7 +200,7 @@ impl Page<'_> {
             false => String::new(),
         };
         writeln!(out, "{}: {}{selection}", report.verdict, report.counts())?;
-        if report.verdict == "fail" && self.failing.is_empty() {
+        if report.verdict == Verdict::Fail && self.failing.is_empty() {
             writeln!(
                 out,
                 "no case failed, but the run does not pass; see the remarks above"

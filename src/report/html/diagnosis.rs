@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::html::{cases::Group, shell::link};
-use ptm_harness::report::document::{LikelyCause, Report};
+use ptm_harness::report::document::{LikelyCause, Report, Verdict};
 use ptm_harness::report::words::{call_instructions, details};
 use ptm_suite::verdicts::outcome::Outcome;
 use ptm_suite::{address::published_url, clauses::Clause};
@@ -16,7 +16,7 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
             h2 #diagnosis { "Diagnosis" }
             @if failures == 0 {
                 p.lead {
-                    @if report.verdict == "pass" { "All judged cases passed." }
+                    @if report.verdict == Verdict::Pass { "All judged cases passed." }
                     @else { "No case failed, but the run does not count as passed. The reasons are at the top of this page and in the cases below." }
                 }
             }

@@ -42,7 +42,7 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], suite_size: usize) -> Resu
                 table.matrix {
                     thead { tr { th scope="col" { "decoder" } @for i in 0..reports.len() { th scope="col" { (command_name(reports, i)) } } } }
                     tbody {
-                        (row("verdict", reports, |report| html! { span.verdict data-verdict=(report.verdict) { (verdict_mark(&report.verdict)) " " (report.verdict) } }))
+                        (row("verdict", reports, |report| html! { span.verdict data-verdict=(report.verdict) { (verdict_mark(report.verdict)) " " (report.verdict) } }))
                         (row("cases", reports, |report| html! { (report.cases.len()) @if report.cases.len() < suite_size { " of " (suite_size) } }))
                         (row("correctness", reports, |report| html! { (report.scores.correctness) }))
                         (row("breadth", reports, |report| html! { (report.scores.breadth) }))

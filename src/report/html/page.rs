@@ -68,7 +68,7 @@ fn header(texts: &SuiteTexts, report: &Report, scene: Option<&LitScene>) -> Mark
             h1 {
                 code { (report.decoder.command) }
                 " "
-                span.verdict data-verdict=(report.verdict) { (verdict_mark(&report.verdict)) " " (report.verdict) }
+                span.verdict data-verdict=(report.verdict) { (verdict_mark(report.verdict)) " " (report.verdict) }
             }
             @if let Some(reason) = &report.reason { pre.reason tabindex="0" { (reason) } }
             @for remark in &report.remarks {

@@ -4,6 +4,7 @@ use data_encoding::BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use sha2::{Digest, Sha256};
 
+use ptm_harness::report::document::Verdict;
 use ptm_suite::address::published_url;
 use ptm_suite::verdicts::outcome::Outcome;
 
@@ -65,6 +66,10 @@ pub(super) fn mark(outcome: Outcome) -> &'static str {
     }
 }
 
-pub(super) fn verdict_mark(verdict: &str) -> &'static str {
-    if verdict == "pass" { "✓" } else { "✗" }
+pub(super) fn verdict_mark(verdict: Verdict) -> &'static str {
+    if verdict == Verdict::Pass {
+        "✓"
+    } else {
+        "✗"
+    }
 }

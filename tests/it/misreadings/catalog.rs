@@ -8,6 +8,7 @@ use ptm_harness::strength::matrix::{MatrixRow, matrix, run_with_mistakes};
 use ptm_mistakes::Change;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::clauses::{self, ClauseStatus, RulingKind};
+use ptm_suite::protocol::frame::ViewKind;
 use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::in_process::{jobs, suite, suite_of_small_files};
@@ -114,8 +115,13 @@ fn is_seen_in_colors(suite: &Suite, row: &MatrixRow) -> bool {
             .cloned()
             .collect();
         let some = Suite { cases };
-        let (run, _) =
-            run_with_mistakes(&some, &[row.misreading], &["rgb"], jobs(), &HashMap::new());
+        let (run, _) = run_with_mistakes(
+            &some,
+            &[row.misreading],
+            &[ViewKind::Rgb],
+            jobs(),
+            &HashMap::new(),
+        );
         run.judgment.with_outcome(Outcome::Fail).next().is_some()
     })
 }

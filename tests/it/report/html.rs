@@ -12,6 +12,7 @@ use ptm_conform::report::{badge, github, junit};
 use ptm_harness::diagnose::{Category, diagnose};
 use ptm_harness::pipeline::{Check, check, judge_answers};
 use ptm_harness::report::Report;
+use ptm_harness::report::document::Verdict;
 use ptm_harness::report::suite_texts::SuiteTexts;
 use ptm_harness::session::plan::RunPlan;
 use ptm_harness::session::run::Run;
@@ -230,13 +231,13 @@ fn badge_shows_three_scores_in_140_pixels() {
     let mut report = report.clone();
     save_page("badge.svg", &badge::badge(&report));
     for (suite, not) in [
-        (SuiteName::Ptm, "not a decoder"),
-        (SuiteName::Texture, "not a decoder"),
-        (SuiteName::Writers, "not a writer"),
+        (SuiteName::Ptm, Verdict::NotADecoder),
+        (SuiteName::Texture, Verdict::NotADecoder),
+        (SuiteName::Writers, Verdict::NotAWriter),
     ] {
         report.suite = suite;
-        for verdict in ["pass", "fail", not] {
-            report.verdict = verdict.to_owned();
+        for verdict in [Verdict::Pass, Verdict::Fail, not] {
+            report.verdict = verdict;
             report.reason = (verdict == not).then(|| "it does not start".to_owned());
             let badge = badge::badge(&report);
             let scores = &report.scores;
@@ -322,7 +323,7 @@ fn colors_are_explained_with_their_arithmetic() {
 fn page_of_a_non_decoder_names_the_next_step() {
     let (suite, _, report) = run_upside_down();
     let mut report = report.clone();
-    report.verdict = "not a decoder".to_owned();
+    report.verdict = Verdict::NotADecoder;
     report.reason = Some("no first file was <b>decoded</b>".to_owned());
     report.cases.clear();
     report.diagnoses.clear();
@@ -371,7 +372,7 @@ fn github_output_contains_no_commands() {
     let annotations = github::annotations(&report);
     assert!(annotations.lines().count() <= 11);
     assert!(annotations.starts_with("::error title=PTM 1.2%2C clause "));
-    report.verdict = "not a decoder".to_owned();
+    report.verdict = Verdict::NotADecoder;
     report.reason =
         Some("it says:\n::set-env name=PATH::x\r\n  ::stop-commands::y, 100%".to_owned());
     let annotations = github::annotations(&report);

@@ -5,6 +5,7 @@ use std::process::Command;
 
 use ptm::Format;
 use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::protocol::frame::ViewKind;
 
 use crate::common::{
     CheckRun, PROGRAM, Workspace, assert_conforms, assert_contains, check, have_tool,
@@ -37,7 +38,7 @@ fn documented_capabilities_and_responses_work() {
     let yaml: String = lines.map(|line| [line.trim(), "\n"].concat()).collect();
     let read = Capabilities::read(yaml.as_bytes()).expect("capabilities");
     assert_eq!(read.formats.as_deref(), Some(&Format::ALL[..]));
-    assert_eq!(read.views, Some(vec!["raw", "coef", "rgb"]));
+    assert_eq!(read.views.as_deref(), Some(&ViewKind::ALL[..]));
     assert!(read.serves && read.remarks.is_empty(), "{read:?}");
 
     let file = repository("corpus/lrgb/first-lrgb.ptm");

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 
 use ptm_harness::session::plan::RunPlan;
 use ptm_suite::cases::{Case, TableSpelling};
-use ptm_suite::protocol::frame::{Answer, Frame};
+use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
 use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::in_process::{self, jobs, reference_answer, suite};
@@ -28,7 +28,7 @@ fn jpeg_decoder_0_3_2_fails_the_saturated_cells() {
         |case: &Case| case.clauses.iter().any(|clause| clause == "2.9.8/11") && is_recorded(case);
     let plan = RunPlan {
         selected: suite.cases.iter().map(is_selected).collect(),
-        views: vec!["raw".to_owned()],
+        views: vec![ViewKind::Raw],
         ..RunPlan::new(&suite, jobs())
     };
     let run = in_process::run(&suite, &plan, |request| {

@@ -27,6 +27,7 @@ use generator::DraftGenerator;
 use ptm::Format;
 use ptm_suite::cases::{Case, Expect, Suite};
 use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::protocol::frame::ViewKind;
 use ptm_suite::protocol::request::Request;
 use ptm_suite::verdicts::outcome::Outcome;
 
@@ -43,7 +44,7 @@ pub struct FuzzPlan {
     /// Number of parallel requests, at least 1.
     pub jobs: usize,
     /// Requested views; if empty, all views that the decoder offers.
-    pub views: Vec<String>,
+    pub views: Vec<ViewKind>,
     /// The declared capabilities of the decoder.
     pub declared: Capabilities,
     /// Formats to generate; if empty, all formats.

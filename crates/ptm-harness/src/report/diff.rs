@@ -109,7 +109,7 @@ const HEADER_PARTS: [(&str, fn(&Report) -> String); 10] = [
     ("suite", |report| yaml(&report.suite)),
     ("tool", |report| yaml(&report.tool)),
     ("decoder", |report| yaml(&report.decoder)),
-    ("verdict", |report| report.verdict.clone()),
+    ("verdict", |report| report.verdict.to_string()),
     ("reason", |report| yaml(&report.reason)),
     ("remarks", |report| yaml(&report.remarks)),
     ("scores", |report| yaml(&report.scores)),

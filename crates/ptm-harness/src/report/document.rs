@@ -2,6 +2,8 @@
 //!
 //! A report contains no time, path or host name, so equal runs have equal reports.
 
+use std::fmt;
+
 use serde::{Deserialize, Serialize};
 
 use crate::diagnose::Category;
@@ -25,8 +27,8 @@ pub struct Report {
     pub tool: Tool,
     /// Decoder under test.
     pub decoder: DecoderInfo,
-    /// Overall verdict: `pass`, `fail`, `not a decoder` or `not a writer`.
-    pub verdict: String,
+    /// Overall verdict.
+    pub verdict: Verdict,
     /// Reason why the program is not a decoder, if it is not one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
@@ -50,6 +52,42 @@ pub struct Report {
     pub results_digest: Option<String>,
     /// Results of the selected cases, in suite order.
     pub cases: Vec<CaseResult>,
+}
+
+/// Overall verdict on a program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Verdict {
+    /// Nothing fails.
+    #[serde(rename = "pass")]
+    Pass,
+    /// A case or the run as a whole fails.
+    #[serde(rename = "fail")]
+    Fail,
+    /// The program is not a decoder.
+    #[serde(rename = "not a decoder")]
+    NotADecoder,
+    /// The program is not a writer.
+    #[serde(rename = "not a writer")]
+    NotAWriter,
+}
+
+impl Verdict {
+    /// Returns the name used in reports.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Verdict::Pass => "pass",
+            Verdict::Fail => "fail",
+            Verdict::NotADecoder => "not a decoder",
+            Verdict::NotAWriter => "not a writer",
+        }
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
 }
 
 /// Program that produced the verdicts.

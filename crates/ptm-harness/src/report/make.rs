@@ -5,7 +5,7 @@ use std::path::Path;
 
 use crate::diagnose::{Cause, Diagnosis};
 use crate::report::document::{
-    CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, Tool,
+    CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, Tool, Verdict,
 };
 use crate::report::leniency::{leniency, passing_case_ids};
 use crate::session::{remark::Remark, run::Run};
@@ -28,10 +28,12 @@ impl Report {
         limits: Vec<String>,
     ) -> Report {
         let verdict = match run.exit_status() {
-            0 => "pass",
-            1 => "fail",
-            _ if matches!(C::SUITE, SuiteName::Writers | SuiteName::Fitters) => "not a writer",
-            _ => "not a decoder",
+            0 => Verdict::Pass,
+            1 => Verdict::Fail,
+            _ => match C::SUITE {
+                SuiteName::Ptm | SuiteName::Texture => Verdict::NotADecoder,
+                SuiteName::Writers | SuiteName::Fitters => Verdict::NotAWriter,
+            },
         };
         let name = |word| Path::new(word).file_name().unwrap_or(OsStr::new(word));
         let words: Vec<_> = (command.iter().map(|word| name(word).to_string_lossy())).collect();
@@ -56,7 +58,7 @@ impl Report {
                 decodes: decoded.map(ToString::to_string).collect(),
                 unsupported: unsupported(run),
             },
-            verdict: verdict.to_owned(),
+            verdict,
             reason: run.not_a_decoder.clone(),
             scores: run.scores(suite),
             remarks: remarks.chain(tolerance_remarks(run)).collect(),

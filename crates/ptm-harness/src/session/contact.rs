@@ -124,7 +124,8 @@ impl<C: TestCase> Session<'_, C> {
         };
         // If no first file could be requested, use the views that the user names.
         if contact.first.is_empty() {
-            let is_wanted = |view: &&&str| self.plan.views.iter().any(|wanted| wanted == *view);
+            let is_wanted =
+                |view: &&&str| self.plan.views.iter().any(|wanted| wanted.name() == **view);
             contact.offer.views = C::VIEWS.iter().filter(is_wanted).copied().collect();
         }
         if self.is_over() {
@@ -312,7 +313,11 @@ impl<C: TestCase> Session<'_, C> {
     /// for a kind of case if the decoder exited with 69 for all requested files of that kind in that view, but not in every view.
     fn derive_offer(&self, first: &[FirstFile<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
         let (suite, plan) = (self.suite, self.plan);
-        let declares = |view: &str| plan.declared_views.iter().any(|declared| declared == view);
+        let declares = |view: &str| {
+            plan.declared_views
+                .iter()
+                .any(|declared| declared.name() == view)
+        };
         let asked_for = |view: &str| first.iter().any(|first| C::view_name(&first.view) == view);
         let mut offer = Offer {
             declared: plan.declared_kinds.clone(),

@@ -107,7 +107,7 @@ const REFUSALS: [(&str, &str, Answer); 2] = [
 pub struct Outputs {
     given: BTreeMap<String, OfflineAnswer>,
     /// The view that all requests have in common.
-    pub view: &'static str,
+    pub view: ViewKind,
     /// Names of files that match no request.
     pub unmatched: Vec<String>,
 }
@@ -201,7 +201,7 @@ fn listed_ids(
 }
 
 /// Returns the view of all requests. Returns an error if a request is not from `suite` or the views differ.
-fn view_of(list: &[ListedRequest], suite: &Suite) -> Result<&'static str, String> {
+fn view_of(list: &[ListedRequest], suite: &Suite) -> Result<ViewKind, String> {
     let other = "these requests are from a different version of this program; export them again";
     let mut view = None;
     for listed in list {
@@ -212,7 +212,7 @@ fn view_of(list: &[ListedRequest], suite: &Suite) -> Result<&'static str, String
         if *listed != ListedRequest::new(case, asked, &case.build(TableSpelling::default()).file) {
             return Err(other.to_owned());
         }
-        if *view.get_or_insert(asked.name()) != asked.name() {
+        if *view.get_or_insert(asked.kind()) != asked.kind() {
             return Err("all requests must have the same view".to_owned());
         }
     }

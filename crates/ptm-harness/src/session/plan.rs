@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use ptm_suite::cases::{Expect, Suite, TableSpelling};
 use ptm_suite::protocol::capabilities::Capabilities;
+use ptm_suite::protocol::frame::ViewKind;
 use ptm_suite::test_case::TestCase;
 
 /// The plan of a run.
@@ -18,9 +19,9 @@ pub struct RunPlan {
     #[serde(skip)]
     pub jobs: usize,
     /// Requested views; if empty, all views that the decoder offers.
-    pub views: Vec<String>,
+    pub views: Vec<ViewKind>,
     /// The views that the decoder declares; empty if it declares none.
-    pub declared_views: Vec<String>,
+    pub declared_views: Vec<ViewKind>,
     /// The names of the kinds of cases that the decoder declares; empty if it declares none.
     pub declared_kinds: Vec<String>,
     /// The cases to repeat.
@@ -78,7 +79,8 @@ impl RunPlan {
 
     /// Returns true if neither the user nor the decoder's declaration excludes a view.
     pub(super) fn allows_view(&self, view: &str) -> bool {
-        let allows = |views: &[String]| views.is_empty() || views.iter().any(|known| known == view);
+        let allows =
+            |views: &[ViewKind]| views.is_empty() || views.iter().any(|known| known.name() == view);
         allows(&self.views) && allows(&self.declared_views)
     }
 
@@ -111,9 +113,8 @@ impl RunPlan {
     #[must_use]
     pub fn with_capabilities(self, capabilities: &Capabilities) -> RunPlan {
         let formats = capabilities.formats.iter().flatten();
-        let views = capabilities.views.iter().flatten();
         RunPlan {
-            declared_views: views.map(|view| (*view).to_owned()).collect(),
+            declared_views: capabilities.views.clone().unwrap_or_default(),
             declared_kinds: formats.map(|of| of.short_name().to_owned()).collect(),
             ..self
         }

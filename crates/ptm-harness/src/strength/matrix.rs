@@ -11,7 +11,7 @@ use ptm::reading::Reading;
 use ptm_mistakes::Misreading;
 use ptm_mistakes::texture::Change;
 use ptm_suite::cases::{Case, Suite};
-use ptm_suite::protocol::frame::{Answer, Frame};
+use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
 use ptm_suite::protocol::request::Request;
 use ptm_suite::verdicts::outcome::Outcome;
 use ptm_suite::{test_case::TestCase, texture::cases::TextureCase};
@@ -91,7 +91,7 @@ fn matrix_row<C: TestCase, A: 'static>(
 pub fn run_with_mistakes(
     suite: &Suite,
     mistakes: &[&Misreading],
-    views: &[&'static str],
+    views: &[ViewKind],
     jobs: usize,
     correct: &KnownAnswers<Case>,
 ) -> (Run, KnownAnswers<Case>) {
@@ -107,7 +107,7 @@ pub fn run_with_mistakes(
         known.unwrap_or_else(compute)
     };
     let plan = RunPlan {
-        views: views.iter().map(|&view| view.to_owned()).collect(),
+        views: views.to_vec(),
         ..RunPlan::new(suite, jobs)
     };
     run_and_answers(suite, &plan, &ask)

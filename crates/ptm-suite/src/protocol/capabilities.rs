@@ -21,7 +21,7 @@ pub struct Capabilities {
     /// Version of the decoder.
     pub version: Option<String>,
     /// Views that the decoder supports.
-    pub views: Option<Vec<&'static str>>,
+    pub views: Option<Vec<ViewKind>>,
     /// Formats that the decoder reads.
     pub formats: Option<Vec<Format>>,
     /// True if the decoder supports `serve`.
@@ -67,8 +67,7 @@ impl Capabilities {
             ));
         }
         let mut remarks = Vec::new();
-        let view = |word: &str| ViewKind::from_name(word).map(ViewKind::name);
-        let views = parse_words(record.views, "view", &mut remarks, view);
+        let views = parse_words(record.views, "view", &mut remarks, ViewKind::from_name);
         let format = |word: &str| word.parse().ok();
         let formats = parse_words(record.formats, "format", &mut remarks, format);
         let mode = |word: &str| ["one-shot", "serve"].into_iter().find(|&mode| mode == word);
@@ -131,7 +130,7 @@ mod tests {
         let capabilities = read.expect("it is valid");
         assert_eq!(capabilities.name.as_deref(), Some("x"));
         assert_eq!(capabilities.version.as_deref(), Some("1.10"));
-        assert_eq!(capabilities.views, Some(vec!["raw"]));
+        assert_eq!(capabilities.views, Some(vec![ViewKind::Raw]));
         assert_eq!(capabilities.formats, None);
         assert!(capabilities.serves);
         assert_eq!(capabilities.reject_exit, Some(1));

@@ -43,7 +43,8 @@ pub enum View {
 }
 
 /// A view without its light, as named in the PTM1 line.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum ViewKind {
     /// Stored values, of type `u8`.
     Raw,
