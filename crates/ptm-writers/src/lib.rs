@@ -1,4 +1,8 @@
-//! Conformance of writers: the suite provides the values, and the program under test writes the file.
+#![doc = include_str!("../README.md")]
+//!
+//! # Design
+//!
+//! The suite provides the values, and the program under test writes the file.
 //!
 //! ```text
 //! WRITER [ARG…] write REQUEST OUT

@@ -2,7 +2,6 @@
 //!
 //! The decoder is a closure from request to reply, so simulated misreadings and external programs are judged in the same way.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -12,8 +11,8 @@ use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::kit::parallel::run_on_threads;
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
+use ptm_suite::test_case::TestCase;
 use ptm_suite::verdicts::observation::{Nondeterminism, Observation, Response};
-use ptm_suite::{dialect::RightDialects, test_case::TestCase};
 
 /// A reply to a request for a case.
 pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
@@ -171,27 +170,18 @@ impl<'a, C: TestCase> Session<'a, C> {
         if attempt == AttemptKind::Alone && is_timeout(&reply) {
             self.plan.unanswered.fetch_add(1, Ordering::Relaxed);
         }
-        let response = match &reply.answer {
-            Answer::Rejected => Response::Rejected,
-            Answer::Unsupported => Response::Unsupported,
-            Answer::Decoded(output) => {
-                let mut undo = self.undone_transforms.iter();
-                let undo = undo.find(|undo| undo.view == C::view_name(view));
-                let output = undo.map_or(Cow::Borrowed(output), |undo| {
-                    Cow::Owned((undo.undo)(output, case.expected_output(view).as_ref()))
-                });
-                let result = case.compare(&built, view, &output);
-                let differs =
-                    result.right != RightDialects::Regardless(true) && result.difference.is_some();
-                Response::Image {
-                    right: result.right,
-                    difference: result.difference,
-                    allowance: result.allowance,
-                    frame: differs.then(|| output.into_owned()),
-                }
+        let mut undone = self.undone_transforms.iter();
+        let answer = match (
+            &reply.answer,
+            undone.find(|undone| undone.view == C::view_name(view)),
+        ) {
+            (Answer::Decoded(output), Some(transform)) => {
+                let expected = case.expected_output(view);
+                &Answer::Decoded((transform.undo)(output, expected.as_ref()))
             }
-            _ => Response::Violation(reply.answer.clone()),
+            (answer, _) => answer,
         };
+        let response = Response::new(case, &built, view, answer);
         let observation = Observation {
             view: view.clone(),
             response,

@@ -4,8 +4,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::cases::{Case, Expect, Suite};
+use crate::cases::{Case, Expect, Suite, TableSpelling};
 use crate::dialect::{Dialect, RightDialects};
+use crate::protocol::frame::{Answer, ViewKind};
 use crate::test_case::TestCase;
 use crate::verdicts::dialect::{Certainty, DependentAnswers, dialect_of};
 use crate::verdicts::observation::{Observation, Response};
@@ -73,6 +74,48 @@ pub fn judge<C: TestCase>(
         certainties: certain,
         unsupported,
         decoded,
+    }
+}
+
+impl Suite {
+    /// Judges the answers of a decoder that is called in this process, for example in `cargo test`. `answers` has one answer per
+    /// case, in order, each to the request for the case's file with tables spelled as `table` says, in the first view of the case.
+    ///
+    /// A decoder that supports only some formats answers the others with [`Answer::Unsupported`].
+    #[must_use]
+    pub fn judge_answers(&self, table: TableSpelling, answers: &[Answer]) -> Judgment {
+        let observations: Vec<Option<Observation>> = self
+            .cases
+            .iter()
+            .zip(answers)
+            .map(|(case, answer)| {
+                Some(Observation::of_answer(
+                    case,
+                    &case.build(table),
+                    &case.views[0],
+                    answer,
+                ))
+            })
+            .collect();
+        let offer = Offer {
+            views: ViewKind::NAMES.to_vec(),
+            ..Offer::default()
+        };
+        judge(self, &vec![true; self.cases.len()], &observations, &offer)
+    }
+}
+
+impl Judgment {
+    /// Returns the failures of a run of `suite`, with their reasons.
+    pub fn failures<'a>(
+        &'a self,
+        suite: &'a Suite,
+    ) -> impl Iterator<Item = (&'a Case, &'a Verdict)> {
+        let judged = suite.cases.iter().zip(&self.cases);
+        judged.filter_map(|(case, verdict)| {
+            let verdict = verdict.as_ref()?;
+            (verdict.outcome == Outcome::Fail).then_some((case, verdict))
+        })
     }
 }
 

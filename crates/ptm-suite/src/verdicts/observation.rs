@@ -26,6 +26,24 @@ pub struct Observation<C: TestCase = Case> {
 }
 
 impl<C: TestCase> Observation<C> {
+    /// Creates the observation of an answer that needed no process.
+    pub fn of_answer(
+        case: &C,
+        built: &C::Built,
+        view: &C::View,
+        answer: &Answer<C::Output>,
+    ) -> Observation<C> {
+        Observation {
+            view: view.clone(),
+            response: Response::new(case, built, view, answer),
+            weak: false,
+            stderr: String::new(),
+            attempt: AttemptKind::Usual,
+            previous_request: None,
+            nondeterminism: None,
+        }
+    }
+
     /// Returns true if the request exceeded the usual time limit, and nothing is known about a higher one.
     #[must_use]
     pub fn is_open(&self) -> bool {
@@ -80,6 +98,31 @@ pub enum Response<C: TestCase = Case> {
 }
 
 impl<C: TestCase> Response<C> {
+    /// Compares an answer with the expected one. `built` is the file that was sent.
+    pub fn new(
+        case: &C,
+        built: &C::Built,
+        view: &C::View,
+        answer: &Answer<C::Output>,
+    ) -> Response<C> {
+        match answer {
+            Answer::Rejected => Response::Rejected,
+            Answer::Unsupported => Response::Unsupported,
+            Answer::Decoded(output) => {
+                let result = case.compare(built, view, output);
+                let differs =
+                    result.right != RightDialects::Regardless(true) && result.difference.is_some();
+                Response::Image {
+                    right: result.right,
+                    difference: result.difference,
+                    allowance: result.allowance,
+                    frame: differs.then(|| output.clone()),
+                }
+            }
+            _ => Response::Violation(answer.clone()),
+        }
+    }
+
     /// Returns the time limit that the request exceeded, if it did.
     #[must_use]
     pub const fn time_limit(&self) -> Option<TimeLimit> {
