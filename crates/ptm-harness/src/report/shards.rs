@@ -2,7 +2,7 @@
 //!
 //! The verdict on a case depends on other cases: on its twin, on cases with the same features, and on the dialect. The
 //! reports of the parts therefore cannot be merged directly. Instead, each part records the answers of the decoder in a
-//! file next to its report, and all answers are judged together as in a single run (see [`merge`](super::merge)).
+//! file next to its report, and all answers are judged together as in a single run (see [`merge`](crate::pipeline::merge)).
 //!
 //! The file contains one line of JSON per answer, written as the answers arrive, and a last line that identifies the run.
 
