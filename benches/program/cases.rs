@@ -6,12 +6,11 @@ use std::sync::Mutex;
 
 use ptm::Format;
 use ptm::Reading;
-use ptm_harness::pipeline::{Check, Observer, check};
+use ptm_harness::pipeline::{Check, FinishedCase, Observer, check};
 use ptm_harness::session::{plan::RunPlan, run::Run};
 use ptm_mistakes::answer;
-use ptm_suite::cases::{Case, Suite};
+use ptm_suite::cases::Suite;
 use ptm_suite::protocol::request::{Reply, Request};
-use ptm_suite::verdicts::observation::Observation;
 
 use crate::measure::{own_time, slope};
 
@@ -92,7 +91,7 @@ fn run_all(suite: &Suite, progress: impl Fn(usize) + Sync) -> Run {
 struct Progress<F>(F);
 
 impl<F: Fn(usize) + Sync> Observer for Progress<F> {
-    fn case_finished(&self, _: &Case, _: &Observation, done: usize, _: usize) {
+    fn case_finished(&self, _: &FinishedCase, done: usize, _: usize) {
         (self.0)(done);
     }
 }

@@ -15,8 +15,7 @@ use super::terminal::print_styled;
 use super::{CommandResult, own_files};
 use crate::report::html::{self, Evidence};
 use ptm_harness::pipeline::explain::find_misreadings;
-use ptm_harness::pipeline::recorder::ShardRecorder;
-use ptm_harness::pipeline::subject::{OneShot, Program, Subject};
+use ptm_harness::pipeline::subject::{OneShot, Program, RunningProgram, Subject};
 use ptm_harness::pipeline::{self, Check, Checked};
 use ptm_harness::report::shards::Circumstances;
 use ptm_harness::runner::{processes, serve::Servers};
@@ -82,7 +81,7 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?)
     }
     .with_capabilities(&capabilities);
-    let check = Check {
+    let mut check = Check {
         circumstances: Circumstances {
             command: decoder.words.clone(),
             name: capabilities.name.clone(),
@@ -93,28 +92,28 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         requests_scene: args.output.html.is_some(),
         ..Check::new(&suite, &plan)
     };
+    let advice = args.reordered_command();
+    let advice = advice.map(|command| format!("options come before the decoder: {command}"));
     let subject: Box<dyn Subject> = match &decoder.answers {
         Answers::Precomputed(outputs) => Box::new(outputs),
         Answers::Caller(caller) => Box::new(caller),
-        Answers::Program(program) => Box::new(Program {
-            decoder: program,
+        Answers::Program(program) => Box::new(RunningProgram {
+            program: Program {
+                decoder: program,
+                scratch,
+                command: &args.decoder,
+                capabilities: &capabilities,
+                advice: advice.as_deref(),
+            },
             servers: serves.then(|| Servers::new(program, scratch, plan.jobs)),
-            scratch,
-            command: &args.decoder,
-            capabilities: &capabilities,
-            advice: args
-                .reordered_command()
-                .map(|command| format!("options come before the decoder: {command}")),
             without_refusals: (!decoder.withheld.is_empty()).then_some(&suite),
         }),
     };
 
     let writer = ReportWriter::new(&suite, &args.run.report, &args.output)?;
-    let recorder = args
-        .shard
-        .map(|part| ShardRecorder::new(part, &plan, &check.circumstances, &args.run.report));
+    check.recorder = args.recorder()?;
     let speed_hint = (!serves && args.cmd.is_none()).then_some(SERVE_MODE_IS_FASTER);
-    let display = Display::new(writer, speed_hint, recorder.transpose()?)?;
+    let display = Display::new(writer, speed_hint)?;
     let Checked {
         run,
         report,
@@ -171,7 +170,7 @@ fn check_stage(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         stop: Arc::clone(stop),
         ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?)
     };
-    let check = Check {
+    let mut check = Check {
         circumstances: Circumstances {
             command: words,
             limits: args.limits(false),
@@ -186,10 +185,8 @@ fn check_stage(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         },
     };
     let writer = ReportWriter::new(&suite, &args.run.report, &args.output)?;
-    let recorder = args
-        .shard
-        .map(|part| ShardRecorder::new(part, &plan, &check.circumstances, &args.run.report));
-    let display = Display::new(writer, None, recorder.transpose()?)?;
+    check.recorder = args.recorder()?;
+    let display = Display::new(writer, None)?;
     let Checked { run, report, .. } = pipeline::check(&check, &stage, &display)?;
     let evidence = Evidence::new(&suite, &run, html::question_evidence);
     Ok(display.finish(&run, report, &evidence)?)

@@ -9,11 +9,13 @@ use super::arguments::{id_filter, is_at_or_below, parse_refusal, view_parser};
 use super::calls::{RunArgs, quote_command};
 use super::{CommandError, EXIT_NOTHING_SELECTED};
 use super::{ending::OutputArgs, names::did_you_mean};
+use ptm_harness::pipeline::recorder::ShardRecorder;
 use ptm_harness::report::shards::Shard;
 use ptm_harness::runner::processes;
 use ptm_harness::session::plan::SAMPLE_INTERVAL;
+use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::ViewKind;
-use ptm_suite::{cases::Suite, test_case::TestCase};
+use ptm_suite::test_case::{Output, TestCase};
 
 // Comments on the variants would appear in the help text.
 /// A suite for decoders.
@@ -159,6 +161,12 @@ impl CheckArgs {
             meant.collect::<String>()
         );
         Err(CommandError::new(EXIT_NOTHING_SELECTED, &says))
+    }
+
+    /// Creates the recorder of answers, if only a part of the suite is run.
+    pub fn recorder<T: Output>(&self) -> Result<Option<ShardRecorder<T>>, String> {
+        let recorder = |part| ShardRecorder::new(part, &self.run.report);
+        self.shard.map(recorder).transpose()
     }
 
     /// Describes the limits in force.

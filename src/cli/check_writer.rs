@@ -135,7 +135,7 @@ fn check<V: RequestValues>(
         },
     };
     let report_writer = ReportWriter::new(suite, &args.run.report, &args.output)?;
-    let display = Display::new(report_writer, None, None)?;
+    let display = Display::new(report_writer, None)?;
     let Checked { run, report, .. } = pipeline::check(&check, &subject, &display)?;
     let evidence = Evidence::new(suite, &run, html::file_evidence);
     Ok(display.finish(&run, report, &evidence)?)

@@ -11,38 +11,30 @@ use super::files::with_path;
 use super::progress::{self, ProgressLine};
 use crate::report::html::Evidence;
 use crate::report::text::first_causes_to_text;
-use ptm_harness::pipeline::recorder::ShardRecorder;
-use ptm_harness::pipeline::{Agenda, FoundCauses, Observer, Stage};
-use ptm_harness::report::document::{LikelyCause, Report};
-use ptm_harness::report::shards::OtherRemarks;
-use ptm_harness::session::asking::{ReplyTo, UndoneTransform};
-use ptm_harness::session::{contact::Contact, run::Run};
-use ptm_suite::protocol::request::Request;
+use ptm_harness::pipeline::{Agenda, FinishedCase, FirstCauses, FoundCauses, Observer, Stage};
+use ptm_harness::report::document::Report;
+use ptm_harness::session::run::Run;
 use ptm_suite::test_case::TestCase;
-use ptm_suite::verdicts::observation::Observation;
 
 /// Minimum estimated duration of a run. Shorter estimates are not announced.
 const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
 
 /// Display of a check.
-pub struct Display<'a, C: TestCase> {
+pub struct Display<'a> {
     writer: ReportWriter<'a>,
     /// File next to the report, with the results so far: a YAML list that is valid after every case.
     partial: (PathBuf, fs::File),
     progress: ProgressLine,
     /// Hint on how to get answers faster.
     speed_hint: Option<&'static str>,
-    /// Recorder of the answers, if only a part of the suite is run.
-    recorder: Option<ShardRecorder<'a, C>>,
 }
 
-impl<'a, C: TestCase> Display<'a, C> {
+impl<'a> Display<'a> {
     /// Starts the display and creates the file for the results so far.
     pub fn new(
         writer: ReportWriter<'a>,
         speed_hint: Option<&'static str>,
-        recorder: Option<ShardRecorder<'a, C>>,
-    ) -> Result<Display<'a, C>, String> {
+    ) -> Result<Display<'a>, String> {
         let mut partial = writer.path.as_os_str().to_owned();
         partial.push(".partial");
         let partial = PathBuf::from(partial);
@@ -52,12 +44,16 @@ impl<'a, C: TestCase> Display<'a, C> {
             partial: (partial, file),
             progress: ProgressLine::new("initial checks"),
             speed_hint,
-            recorder,
         })
     }
 
     /// Ends the display, and writes and prints the report in all requested formats. Returns the exit status.
-    pub fn finish(self, run: &Run<C>, report: Report, evidence: &Evidence) -> Result<u8, String> {
+    pub fn finish<C: TestCase>(
+        self,
+        run: &Run<C>,
+        report: Report,
+        evidence: &Evidence,
+    ) -> Result<u8, String> {
         drop(self.progress);
         let status = self.writer.finish(run, report, evidence)?;
         let _ = fs::remove_file(self.partial.0);
@@ -65,7 +61,7 @@ impl<'a, C: TestCase> Display<'a, C> {
     }
 }
 
-impl<C: TestCase> Observer<C> for Display<'_, C> {
+impl Observer for Display<'_> {
     fn stage_began(&self, stage: &Stage) {
         match stage {
             Stage::FirstContact => self.progress.begin("initial checks"),
@@ -81,18 +77,6 @@ impl<C: TestCase> Observer<C> for Display<'_, C> {
         }
     }
 
-    fn request_answered(&self, request: &Request<'_, C::View>, reply: &ReplyTo<C>) {
-        if let Some(recorder) = &self.recorder {
-            recorder.request_answered(request, reply);
-        }
-    }
-
-    fn contact_made(&self, contact: &Contact<C>, undone: &[UndoneTransform<C>]) {
-        if let Some(recorder) = &self.recorder {
-            recorder.contact_made(contact, undone);
-        }
-    }
-
     fn agenda_known(&self, agenda: &Agenda) {
         let (all, first) = (agenda.total, agenda.prioritized);
         let long = agenda.time(all);
@@ -105,22 +89,21 @@ impl<C: TestCase> Observer<C> for Display<'_, C> {
         }
     }
 
-    fn case_finished(&self, case: &C, observation: &Observation<C>, done: usize, total: usize) {
-        let (id, view, answer) = (case.id(), &observation.view, observation.response.name());
+    fn case_finished(&self, case: &FinishedCase, done: usize, total: usize) {
+        let FinishedCase {
+            id, view, answer, ..
+        } = case;
         let line = format!("- {{ id: {id}, view: \"{view}\", answer: {answer} }}\n");
         // Use one write per line. Results that cannot be written here are still in the report.
         let _ = (&self.partial.1).write_all(line.as_bytes());
-        if let Some(recorder) = &self.recorder {
-            recorder.case_finished(case, observation, done, total);
-        }
-        if observation.is_certain_failure(case) {
+        if case.is_wrong {
             self.progress.count_wrong_answer();
         }
         self.progress.update(done, total);
     }
 
-    fn first_causes_found(&self, run: &Run<C>, causes: &[LikelyCause]) {
-        if let Some(text) = first_causes_to_text(run, causes) {
+    fn first_causes_found(&self, first: &FirstCauses) {
+        if let Some(text) = first_causes_to_text(first.judged, first.failed, first.causes) {
             self.progress.print_message(&text);
         }
     }
@@ -129,17 +112,8 @@ impl<C: TestCase> Observer<C> for Display<'_, C> {
         self.progress.update(done, total);
     }
 
-    fn verdicts_reported(
-        &self,
-        run: &Run<C>,
-        report: &Report,
-        remarks: &OtherRemarks,
-    ) -> Result<(), String> {
-        self.writer.write(&mut report.clone())?;
-        match &self.recorder {
-            Some(recorder) => recorder.verdicts_reported(run, report, remarks),
-            None => Ok(()),
-        }
+    fn verdicts_reported(&self, report: &Report) -> Result<(), String> {
+        self.writer.write(&mut report.clone())
     }
 
     fn causes_found(&self, found: &FoundCauses) {

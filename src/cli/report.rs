@@ -13,12 +13,12 @@ use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use crate::report::html::{self, Evidence};
 use crate::report::{badge, github, junit, text};
 use ptm_harness::pipeline::merge::RecordedAnswers;
-use ptm_harness::pipeline::{Checked, Explain, Observer};
+use ptm_harness::pipeline::{Checked, Explain, FinishedCase, Observer};
 use ptm_harness::report::{Report, suite_texts::SuiteTexts};
 use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::kit::escape_controls;
+use ptm_suite::name::SuiteName;
 use ptm_suite::verdicts::observation::Observation;
-use ptm_suite::{name::SuiteName, test_case::TestCase};
 
 /// Show, compare, merge and convert reports of check.
 #[derive(Args)]
@@ -208,8 +208,8 @@ fn merge<C: Explain>(
 /// Shows the number of replayed cases.
 struct MergeProgress<'a>(&'a (dyn Fn(usize, usize) + Sync));
 
-impl<C: TestCase> Observer<C> for MergeProgress<'_> {
-    fn case_finished(&self, _: &C, _: &Observation<C>, done: usize, total: usize) {
+impl Observer for MergeProgress<'_> {
+    fn case_finished(&self, _: &FinishedCase, done: usize, total: usize) {
         (self.0)(done, total);
     }
 }

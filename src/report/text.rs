@@ -7,9 +7,7 @@ use ptm_harness::report::document::{CaseResult, FollowedReading, LikelyCause, Re
 use ptm_harness::report::leniency::Leniency;
 use ptm_harness::report::suite_texts::SuiteTexts;
 use ptm_harness::report::words::{call_instructions, details};
-use ptm_harness::session::run::Run;
 use ptm_suite::kit::last_message::quote_last_message;
-use ptm_suite::test_case::TestCase;
 use ptm_suite::verdicts::outcome::Outcome;
 
 /// Maximum number of example failures for a misreading in the catalog.
@@ -51,11 +49,14 @@ const MIN_FAILURES_PER_CAUSE: usize = 3;
 /// Maximum number of causes that are reported during a run.
 const MAX_FIRST_CAUSES: usize = 5;
 
-/// Formats the likely causes of failures among the first cases of a run. Returns `None` if no case failed.
+/// Formats the likely causes of failures among the first cases of a run, of which some were judged and some failed. Returns
+/// `None` if no case failed.
 #[must_use]
-pub fn first_causes_to_text<C: TestCase>(run: &Run<C>, causes: &[LikelyCause]) -> Option<String> {
-    let judged = run.judgment.cases.iter().flatten().count();
-    let failed = run.judgment.with_outcome(Outcome::Fail).count();
+pub fn first_causes_to_text(
+    judged: usize,
+    failed: usize,
+    causes: &[LikelyCause],
+) -> Option<String> {
     if failed == 0 {
         return None;
     }

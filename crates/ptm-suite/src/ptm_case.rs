@@ -10,11 +10,17 @@ use crate::dialect::{Choices, Dialect, RightDialects};
 use crate::features::Feature;
 use crate::name::SuiteName;
 use crate::protocol::frame::{Frame, View, ViewKind};
-use crate::test_case::{Allowance, Comparison, TestCase};
+use crate::test_case::{Allowance, Comparison, Output, TestCase};
 use crate::values::Values;
 use ptm::Format;
 use ptm::reading::Reading;
 use ptm_generate::{Compression, Recipe};
+
+impl Output for Frame {
+    fn is_equivalent(&self, other: &Frame) -> bool {
+        Frame::is_equivalent(self, other)
+    }
+}
 
 impl TestCase for Case {
     type View = View;
@@ -198,10 +204,6 @@ impl TestCase for Case {
             Difference::Shape { .. } => 0.0,
             Difference::Samples { wrong, samples, .. } => 1.0 - *wrong as f64 / *samples as f64,
         }
-    }
-
-    fn is_equivalent(one: &Frame, other: &Frame) -> bool {
-        one.is_equivalent(other)
     }
 
     fn expected_output(&self, view: &View) -> Option<Frame> {

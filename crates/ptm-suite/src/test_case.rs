@@ -18,8 +18,8 @@ use crate::name::SuiteName;
 pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     /// A view in which a case is requested.
     type View: Clone + Debug + Display + PartialEq + Send + Sync;
-    /// Output of the program under test: a frame, or a JSON object.
-    type Output: Clone + Debug + PartialEq + Send + Sync + Serialize + DeserializeOwned;
+    /// Output of the program under test: a frame, or a file.
+    type Output: Output;
     /// Difference between an output and the expected one.
     type Difference: Clone + Debug + Display + Send + Sync;
     /// A feature that a decoder may lack.
@@ -119,10 +119,6 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     fn similarity(_difference: &Self::Difference) -> f64 {
         0.0
     }
-    /// Returns true if two outputs agree in everything that a decoder controls.
-    fn is_equivalent(one: &Self::Output, other: &Self::Output) -> bool {
-        one == other
-    }
     /// Returns the reference's output for the file in the default spelling, if there is one.
     fn expected_output(&self, _view: &Self::View) -> Option<Self::Output> {
         None
@@ -133,6 +129,14 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     }
     /// Describes the fault in a file that must be refused.
     fn fault(&self) -> String;
+}
+
+/// Output of a program under test.
+pub trait Output: Clone + Debug + PartialEq + Send + Sync + Serialize + DeserializeOwned {
+    /// Returns true if both outputs agree in everything that the program controls.
+    fn is_equivalent(&self, other: &Self) -> bool {
+        self == other
+    }
 }
 
 /// Result of comparing an output with the expected one.

@@ -17,7 +17,7 @@ use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Expect, Suite, TableSpelling};
 use ptm_suite::dialect::{Choices, RightDialects};
 use ptm_suite::kit::digest::sha256;
-use ptm_suite::test_case::{Allowance, Comparison, TestCase};
+use ptm_suite::test_case::{Allowance, Comparison, Output, TestCase};
 use ptm_suite::verdicts::observation::{Observation, Response};
 use ptm_suite::{features::Feature, name::SuiteName};
 
@@ -46,6 +46,13 @@ impl<'de> Deserialize<'de> for WrittenFile {
         let text = String::deserialize(deserializer)?;
         let bytes = BASE64.decode(text.as_bytes()).map_err(de::Error::custom)?;
         Ok(WrittenFile(bytes))
+    }
+}
+
+impl Output for WrittenFile {
+    /// Returns true if both files decode to the same values, or if neither can be decoded.
+    fn is_equivalent(&self, other: &WrittenFile) -> bool {
+        self == other || decode(&self.0).ok() == decode(&other.0).ok()
     }
 }
 
@@ -229,11 +236,6 @@ impl<V: RequestValues> TestCase for FileCase<V> {
             difference,
             allowance: Allowance::None,
         }
-    }
-
-    /// Returns true if both files decode to the same values, or if neither can be decoded.
-    fn is_equivalent(one: &WrittenFile, other: &WrittenFile) -> bool {
-        one == other || decode(&one.0).ok() == decode(&other.0).ok()
     }
 
     fn expected_text(&self) -> Option<String> {

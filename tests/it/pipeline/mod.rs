@@ -4,18 +4,15 @@
 
 use std::sync::Mutex;
 
-use ptm_harness::pipeline::{Agenda, Check, Error, FoundCauses, Observer, Stage, check};
+use ptm_harness::pipeline::{
+    Agenda, Check, Error, FinishedCase, FirstCauses, FoundCauses, Observer, Stage, check,
+};
 use ptm_harness::report::Report;
 use ptm_harness::report::document::LikelyCause;
-use ptm_harness::report::shards::OtherRemarks;
-use ptm_harness::session::asking::UndoneTransform;
-use ptm_harness::session::contact::Contact;
 use ptm_harness::session::plan::{Repeat, RunPlan};
-use ptm_harness::session::run::Run;
 use ptm_harness::strength::smoke;
-use ptm_suite::cases::{Case, Suite};
+use ptm_suite::cases::Suite;
 use ptm_suite::protocol::request::{Reply, Request};
-use ptm_suite::verdicts::observation::Observation;
 use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::in_process::{answer_with, jobs, misreading, suite_of_small_files};
@@ -57,11 +54,9 @@ impl Observer for Log {
         });
     }
 
-    fn contact_made(&self, contact: &Contact, undone: &[UndoneTransform<Case>]) {
-        let views = undone.iter().map(|transform| transform.view);
-        let views: Vec<&str> = views.collect();
-        let offered = contact.offer.views.join(" ");
-        self.add(format!("offers {offered}; undone in [{}]", views.join(" ")));
+    fn contact_made(&self, views: &[&'static str], undone: &[&'static str]) {
+        let (views, undone) = (views.join(" "), undone.join(" "));
+        self.add(format!("offers {views}; undone in [{undone}]"));
     }
 
     fn agenda_known(&self, agenda: &Agenda) {
@@ -69,7 +64,7 @@ impl Observer for Log {
         self.add("agenda");
     }
 
-    fn case_finished(&self, _: &Case, _: &Observation, _: usize, _: usize) {
+    fn case_finished(&self, _: &FinishedCase, _: usize, _: usize) {
         self.add("case");
     }
 
@@ -77,18 +72,12 @@ impl Observer for Log {
         self.add("repeat");
     }
 
-    fn first_causes_found(&self, _: &Run, causes: &[LikelyCause]) {
-        let causes: Vec<&str> = causes.iter().map(LikelyCause::name).collect();
+    fn first_causes_found(&self, first: &FirstCauses) {
+        let causes: Vec<&str> = first.causes.iter().map(LikelyCause::name).collect();
         self.add(format!("first causes: {}", causes.join(" ")));
     }
 
-    fn verdicts_reported(
-        &self,
-        run: &Run,
-        report: &Report,
-        _: &OtherRemarks,
-    ) -> Result<(), String> {
-        assert_eq!(run.exit_status(), 1);
+    fn verdicts_reported(&self, report: &Report) -> Result<(), String> {
         *self.verdicts.lock().expect("no observer panics") = Some(report.clone());
         self.add("verdicts");
         match self.is_full {

@@ -11,7 +11,6 @@ use ptm_harness::report::Report;
 use ptm_harness::report::shards::{Circumstances, OtherRemarks, Shard, answers_path};
 use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_harness::session::remark::Remark;
-use ptm_harness::session::run::Run;
 use ptm_mistakes::answer;
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::Answer;
@@ -48,7 +47,7 @@ impl Subject for RemarkableDecoder<'_> {
         (self.0)(request).into()
     }
 
-    fn remarks(&self, _: &Suite, _: &Run) -> OtherRemarks {
+    fn remarks(&self) -> OtherRemarks {
         OtherRemarks {
             before: Vec::new(),
             after: vec![Remark::note("a remark".to_owned())],
@@ -74,11 +73,10 @@ fn run_part(suite: &Suite, part: Shard, decoder: &Decoder, folder: &Path) -> Pat
     let check_of_part = Check {
         circumstances: circumstances(),
         finds_causes: false,
+        recorder: Some(ShardRecorder::new(part, &report).expect("a file")),
         ..Check::new(suite, &plan)
     };
-    let recorder = ShardRecorder::new(part, &plan, &check_of_part.circumstances, &report);
-    let recorder = recorder.expect("a file");
-    let checked = check(&check_of_part, &RemarkableDecoder(decoder), &recorder);
+    let checked = check(&check_of_part, &RemarkableDecoder(decoder), &());
     checked.expect("the answers are written");
     report
 }

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 use std::time::{Duration, Instant, SystemTime};
 
-use ptm_harness::pipeline::{Check, Observer, check};
+use ptm_harness::pipeline::{Check, FinishedCase, Observer, check};
 use ptm_harness::report::Report;
 use ptm_harness::runner::run::Decoder;
 use ptm_harness::runner::{scratch::Scratch, serve::Servers};
@@ -15,7 +15,6 @@ use ptm_harness::session::plan::RunPlan;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::kit::yaml::from_yaml;
 use ptm_suite::protocol::request::Request;
-use ptm_suite::verdicts::observation::Observation;
 use serde_json::Value;
 
 use crate::common::{
@@ -186,7 +185,7 @@ const COUNT: usize = 10_000;
 struct HeldMemory([AtomicU64; 1 + COUNT / 1000]);
 
 impl Observer for HeldMemory {
-    fn case_finished(&self, _: &Case, _: &Observation, done: usize, _: usize) {
+    fn case_finished(&self, _: &FinishedCase, done: usize, _: usize) {
         if done.is_multiple_of(100) {
             let memory = number_in("/proc/self/status", "VmRSS:");
             self.0[done / 1000].fetch_min(memory, Relaxed);

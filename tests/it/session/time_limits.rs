@@ -7,14 +7,13 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::time::Duration;
 
-use ptm_harness::pipeline::{Check, Observer, check, judge_answers};
+use ptm_harness::pipeline::{Check, FinishedCase, Observer, check, judge_answers};
 use ptm_harness::report::Report;
 use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_harness::session::run::Run;
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Samples, TimeLimit};
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
-use ptm_suite::verdicts::observation::Observation;
 use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::common::{CheckRun, Workspace, assert_conforms, assert_contains, zoo};
@@ -398,7 +397,7 @@ fn memory_and_time_limits_are_not_nondeterminism() {
 struct StopAfter<'a>(usize, &'a AtomicBool);
 
 impl Observer for StopAfter<'_> {
-    fn case_finished(&self, _: &Case, _: &Observation, done: usize, _: usize) {
+    fn case_finished(&self, _: &FinishedCase, done: usize, _: usize) {
         self.1.store(done > self.0, Ordering::Relaxed);
     }
 }

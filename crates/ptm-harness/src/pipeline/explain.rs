@@ -3,11 +3,13 @@
 use std::time::Duration;
 
 use crate::diagnose::{self, Causes};
+use crate::pipeline::subject::Program;
 use crate::report::{document::LikelyCause, make::likely_causes};
 use crate::session::asking::DecoderFn;
 use crate::session::lit_scene::{self, LitScene};
+use crate::session::probe::{ProbeStep, wrapper_faults};
 use crate::session::run::{Run, Session};
-use crate::session::{contact::Contact, transform};
+use crate::session::{contact::Contact, locale, plan::RunPlan, remark::Remark, transform};
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::{test_case::TestCase, texture::cases::TextureCase};
@@ -40,6 +42,23 @@ impl FoundCauses {
 
 /// Case type whose failures can be explained.
 pub trait Explain: TestCase {
+    /// Returns faults in the wrapper of a program, found with additional requests after first contact.
+    #[must_use]
+    fn wrapper_faults(
+        _: Program,
+        _: &Suite<Self>,
+        _: &RunPlan,
+        _: &Contact<Self>,
+    ) -> Vec<ProbeStep> {
+        Vec::new()
+    }
+
+    /// Returns a remark if a program answers differently in a locale with a decimal comma, if the system has one.
+    #[must_use]
+    fn locale_remark(_: Program, _: &Suite<Self>, _: &Run<Self>) -> Option<Remark> {
+        None
+    }
+
     /// Finds transforms that the images of the first files have in common, reports them, and undoes them in all later images.
     fn undo_common_transforms(_: &Suite<Self>, _: &mut Session<Self>, _: &mut Contact<Self>) {}
 
@@ -89,6 +108,22 @@ pub fn find_misreadings(slugs: &[String]) -> Result<Vec<&'static Misreading>, St
 }
 
 impl Explain for Case {
+    fn wrapper_faults(
+        program: Program,
+        suite: &Suite,
+        plan: &RunPlan,
+        contact: &Contact,
+    ) -> Vec<ProbeStep> {
+        let (command, decoder) = (program.command, program.decoder);
+        wrapper_faults(command, decoder, program.scratch, suite, plan, contact)
+    }
+
+    fn locale_remark(program: Program, suite: &Suite, run: &Run) -> Option<Remark> {
+        let locale = locale::comma_locale()?;
+        let (decoder, scratch) = (program.decoder, program.scratch);
+        locale::difference(suite, run, decoder, &locale, scratch).map(Remark::failure)
+    }
+
     fn undo_common_transforms(suite: &Suite, session: &mut Session<Case>, contact: &mut Contact) {
         let common = transform::common_transforms(suite, contact);
         contact.remarks.splice(0..0, transform::remarks(&common));

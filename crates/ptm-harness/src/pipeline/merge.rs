@@ -13,7 +13,7 @@ use serde::de::DeserializeOwned;
 
 use crate::pipeline::{Check, Checked, Explain, Observer, Subject, check};
 use crate::report::shards::{self, AnswerRecord, OtherRemarks, RecordedAnswer, Shard, Trailer};
-use crate::session::{asking::ReplyTo, plan::RunPlan, remark::Remark, run::Run};
+use crate::session::{asking::ReplyTo, plan::RunPlan, remark::Remark};
 use ptm_suite::kit::strip_os_error_code;
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
@@ -70,7 +70,7 @@ impl<C: Explain> RecordedAnswers<C> {
         &self,
         suite: &Suite<C>,
         jobs: usize,
-        observer: &dyn Observer<C>,
+        observer: &dyn Observer,
     ) -> Result<Checked<C>, String> {
         let plan = RunPlan {
             jobs,
@@ -116,7 +116,7 @@ struct Replay<'a, C: TestCase> {
     missing: OnceLock<String>,
 }
 
-impl<C: Explain> Subject<C> for Replay<'_, C> {
+impl<C: Explain> Subject<C::View, C::Output> for Replay<'_, C> {
     fn ask(&self, request: &Request<'_, C::View>, _: usize) -> ReplyTo<C> {
         let reply = self.answers.find_reply(self.suite, request);
         reply.unwrap_or_else(|| {
@@ -133,7 +133,7 @@ impl<C: Explain> Subject<C> for Replay<'_, C> {
         ))
     }
 
-    fn remarks(&self, _: &Suite<C>, _: &Run<C>) -> OtherRemarks {
+    fn remarks(&self) -> OtherRemarks {
         self.answers.trailer.remarks.clone()
     }
 }

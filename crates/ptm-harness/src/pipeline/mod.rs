@@ -29,8 +29,10 @@ use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
 pub use explain::{Explain, FoundCauses};
-pub use observer::{Agenda, Observer, Stage};
+pub use observer::{Agenda, FinishedCase, FirstCauses, Observer, Stage};
 pub use subject::Subject;
+
+use recorder::ShardRecorder;
 
 use crate::report::document::Report;
 use crate::report::shards::{Circumstances, OtherRemarks};
@@ -44,6 +46,7 @@ use crate::session::run::{Observations, Run, Session};
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::protocol::request::Request;
 use ptm_suite::verdicts::observation::Observation;
+use ptm_suite::verdicts::outcome::Outcome;
 
 /// Minimum number of other cases for a first search among the prioritized cases. A shorter run would end before the user has read
 /// the first causes.
@@ -66,6 +69,8 @@ pub struct Check<'a, C: Explain = Case> {
     pub finds_causes: bool,
     /// True if a scene is requested that illustrates the report.
     pub requests_scene: bool,
+    /// Recorder of the answers, if only a part of the suite is run.
+    pub recorder: Option<ShardRecorder<C::Output>>,
 }
 
 impl<'a, C: Explain> Check<'a, C> {
@@ -89,6 +94,7 @@ impl<'a, C: Explain> Check<'a, C> {
             undoes_transforms: false,
             finds_causes: false,
             requests_scene: false,
+            recorder: None,
         }
     }
 }
@@ -114,12 +120,18 @@ pub enum Error {
     Trouble(String),
     /// The observer could not write the report.
     Observer(String),
+    /// The answers could not be recorded.
+    Recorder(String),
 }
 
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (Error::Assumption(why) | Error::Trouble(why) | Error::Observer(why)) = self;
-        f.write_str(why)
+        f.write_str(match self {
+            Error::Assumption(why)
+            | Error::Trouble(why)
+            | Error::Observer(why)
+            | Error::Recorder(why) => why,
+        })
     }
 }
 
@@ -128,16 +140,18 @@ impl std::error::Error for Error {}
 /// Runs a check.
 ///
 /// # Errors
-/// Returns an error if an assumed misreading is unknown, if the subject has trouble, or if the observer returns one.
+/// Returns an error if an assumed misreading is unknown, if the subject has trouble, or if the observer or the recorder returns one.
 pub fn check<C: Explain>(
     check: &Check<C>,
-    subject: &dyn Subject<C>,
-    observer: &dyn Observer<C>,
+    subject: &dyn Subject<C::View, C::Output>,
+    observer: &dyn Observer,
 ) -> Result<Checked<C>, Error> {
     let (suite, plan, circumstances) = (check.suite, check.plan, &check.circumstances);
     let ask = |request: &Request<'_, C::View>, worker: usize| {
         let reply = subject.ask(request, worker);
-        observer.request_answered(request, &reply);
+        if let Some(recorder) = &check.recorder {
+            recorder.record_answer(request, &reply);
+        }
         reply
     };
 
@@ -148,13 +162,19 @@ pub fn check<C: Explain>(
     let pace = start
         .elapsed()
         .div_f64(session.requests_sent().max(1) as f64);
-    let faults = subject.wrapper_faults(suite, plan, &contact);
-    add_faults(&mut contact, &faults, subject.advice());
+    let faults = match subject.program() {
+        Some(program) => C::wrapper_faults(program, suite, plan, &contact),
+        None => Vec::new(),
+    };
+    let advice = subject.program().and_then(|program| program.advice);
+    add_faults(&mut contact, &faults, advice);
     // Assumed misreadings have already been reported.
     if check.undoes_transforms && circumstances.assumed.is_empty() && contact.is_ready() {
         C::undo_common_transforms(suite, &mut session, &mut contact);
     }
-    observer.contact_made(&contact, &session.undone_transforms);
+    let undone = session.undone_transforms.iter();
+    let undone: Vec<&str> = undone.map(|transform| transform.view).collect();
+    observer.contact_made(&contact.offer.views, &undone);
 
     let observations = request_cases(check, &session, &contact, pace, observer);
 
@@ -170,13 +190,25 @@ pub fn check<C: Explain>(
     }
     let is_complete = run.ended_early.is_none();
     let scene = (check.requests_scene && is_complete).then(|| C::request_scene(&run, &ask));
-    let remarks = subject.remarks(suite, &run);
+    let mut remarks = subject.remarks();
+    if let Some(program) = subject.program()
+        && is_complete
+        && run.not_a_decoder.is_none()
+    {
+        let remark = C::locale_remark(program, suite, &run);
+        remarks.after.extend(remark);
+    }
 
     observer.stage_began(&Stage::Report);
     let mut report = report_verdicts(check, &mut run, &remarks)?;
     observer
-        .verdicts_reported(&run, &report, &remarks)
+        .verdicts_reported(&report)
         .map_err(Error::Observer)?;
+    if let Some(recorder) = &check.recorder {
+        let ended_early = run.ended_early.clone();
+        let written = recorder.finish(plan, circumstances, &report, remarks, ended_early);
+        written.map_err(Error::Recorder)?;
+    }
 
     if check.finds_causes {
         observer.stage_began(&Stage::Search(Arc::clone(&run.work)));
@@ -231,14 +263,26 @@ fn request_cases<C: Explain>(
     session: &Session<C>,
     contact: &Contact<C>,
     pace: Duration,
-    observer: &dyn Observer<C>,
+    observer: &dyn Observer,
 ) -> Observations<C> {
     let (prioritized, others) = session.agenda(contact);
     let total = prioritized.len() + others.len();
     let done = AtomicUsize::new(0);
     let progress = |case: &C, observation: &Observation<C>, _: usize, _: usize| {
+        let (id, view, response) = (case.id(), &observation.view, &observation.response);
+        // If transforms are undone before comparison, do not replace the recorded original answer.
+        if let (Some(recorder), []) = (&check.recorder, &session.undone_transforms[..]) {
+            let is_expected = response.is_expected() && case.expected_output(view).is_some();
+            recorder.record_case(id, view, is_expected);
+        }
+        let finished = FinishedCase {
+            id,
+            view,
+            answer: response.name(),
+            is_wrong: !observation.is_open() && response.is_certain_failure(case.expect()),
+        };
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        observer.case_finished(case, observation, done, total);
+        observer.case_finished(&finished, done, total);
     };
     let mut observations = vec![None; check.suite.cases.len()];
     if prioritized.is_empty() || others.len() < MIN_OTHER_CASES || !check.finds_causes {
@@ -266,7 +310,11 @@ fn request_cases<C: Explain>(
         });
         // An incomplete search may name causes that other cases refute.
         if !run.stop.load(Ordering::Relaxed) {
-            observer.first_causes_found(&run, &found.causes);
+            observer.first_causes_found(&FirstCauses {
+                judged: run.judgment.cases.iter().flatten().count(),
+                failed: run.judgment.with_outcome(Outcome::Fail).count(),
+                causes: &found.causes,
+            });
         }
     }
     observer.stage_began(&Stage::Cases);

@@ -1,17 +1,12 @@
 //! What an observer learns during a check.
 
+use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
 use crate::pipeline::explain::FoundCauses;
 use crate::report::document::{LikelyCause, Report};
-use crate::report::shards::OtherRemarks;
-use crate::session::asking::{ReplyTo, UndoneTransform};
-use crate::session::{contact::Contact, run::Run};
-use ptm_suite::protocol::request::Request;
-use ptm_suite::verdicts::observation::Observation;
-use ptm_suite::{cases::Case, test_case::TestCase};
 
 /// A stage of a check, in order. Stages without work may be missing.
 #[derive(Clone, Debug)]
@@ -52,41 +47,55 @@ impl Agenda {
     }
 }
 
-/// Observer of a check. Every method is called when something has happened, and does nothing by default. Methods about requests
-/// and cases are called by several threads.
-pub trait Observer<C: TestCase = Case>: Sync {
+/// A finished case.
+pub struct FinishedCase<'a> {
+    /// Id of the case.
+    pub id: &'a str,
+    /// The requested view.
+    pub view: &'a dyn Display,
+    /// Name of the answer.
+    pub answer: &'static str,
+    /// True if the answer is wrong whatever the answers to other cases are.
+    pub is_wrong: bool,
+}
+
+/// The result of the first search for causes, which other cases may refute.
+pub struct FirstCauses<'a> {
+    /// Number of cases that were judged.
+    pub judged: usize,
+    /// Number of cases that failed.
+    pub failed: usize,
+    /// Likely causes.
+    pub causes: &'a [LikelyCause],
+}
+
+/// Observer of a check. Every method is called when something has happened, and does nothing by default.
+/// [`Observer::case_finished`] and [`Observer::request_repeated`] are called by several threads.
+pub trait Observer: Sync {
     /// A stage begins.
     fn stage_began(&self, _stage: &Stage) {}
 
-    /// The subject has answered a request.
-    fn request_answered(&self, _request: &Request<'_, C::View>, _reply: &ReplyTo<C>) {}
-
-    /// First contact has been made. The transforms are undone in all later images.
-    fn contact_made(&self, _contact: &Contact<C>, _undone: &[UndoneTransform<C>]) {}
+    /// First contact has been made. The decoder offers `views`. In the views in `undone`, a transform that all images have in
+    /// common is undone.
+    fn contact_made(&self, _views: &[&'static str], _undone: &[&'static str]) {}
 
     /// The number of requests of a long run is known.
     fn agenda_known(&self, _agenda: &Agenda) {}
 
     /// A case is finished: `done` of `total`.
-    fn case_finished(&self, _case: &C, _observation: &Observation<C>, _done: usize, _total: usize) {
-    }
+    fn case_finished(&self, _case: &FinishedCase, _done: usize, _total: usize) {}
 
-    /// The first search has found these causes of failures among the prioritized cases, which other cases may refute.
-    fn first_causes_found(&self, _run: &Run<C>, _causes: &[LikelyCause]) {}
+    /// The first search for causes has ended in time.
+    fn first_causes_found(&self, _first: &FirstCauses) {}
 
     /// A request was repeated: `done` of `total`.
     fn request_repeated(&self, _done: usize, _total: usize) {}
 
-    /// The report with all verdicts, but without causes, is ready. `remarks` are those that are not derived from answers.
+    /// The report with all verdicts, but without causes, is ready.
     ///
     /// # Errors
     /// An error ends the check.
-    fn verdicts_reported(
-        &self,
-        _run: &Run<C>,
-        _report: &Report,
-        _remarks: &OtherRemarks,
-    ) -> Result<(), String> {
+    fn verdicts_reported(&self, _report: &Report) -> Result<(), String> {
         Ok(())
     }
 
@@ -95,4 +104,4 @@ pub trait Observer<C: TestCase = Case>: Sync {
 }
 
 /// Observes nothing.
-impl<C: TestCase> Observer<C> for () {}
+impl Observer for () {}

@@ -1,84 +1,66 @@
 //! Records the answers to a part of a suite, so that the parts can be merged.
 
+use std::fmt::Display;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
 
-use crate::pipeline::observer::Observer;
 use crate::report::document::Report;
 use crate::report::shards::{
     AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
 };
-use crate::session::asking::{ReplyTo, UndoneTransform};
-use crate::session::{contact::Contact, plan::RunPlan, run::Run};
+use crate::session::plan::RunPlan;
 use ptm_suite::kit::strip_os_error_code;
-use ptm_suite::protocol::request::Request;
-use ptm_suite::verdicts::observation::Observation;
-use ptm_suite::{cases::Case, test_case::TestCase};
+use ptm_suite::protocol::request::{Reply, Request};
+use ptm_suite::test_case::Output;
 
 /// Writes the answers to a part of a suite to a file next to the report.
-pub struct ShardRecorder<'a, C: TestCase = Case> {
+pub struct ShardRecorder<T> {
     part: Shard,
-    plan: &'a RunPlan,
-    circumstances: &'a Circumstances,
     path: PathBuf,
-    answers: AnswerRecorder<C>,
-    /// True if transforms are undone, so that images that equal the expected ones were received as other images.
-    undoes_transforms: OnceLock<bool>,
+    answers: AnswerRecorder<T>,
 }
 
-impl<'a, C: TestCase> ShardRecorder<'a, C> {
+impl<T: Output> ShardRecorder<T> {
     /// Creates the file next to `report`.
     ///
     /// # Errors
     /// Returns a message that names the file.
-    pub fn new(
-        part: Shard,
-        plan: &'a RunPlan,
-        circumstances: &'a Circumstances,
-        report: &Path,
-    ) -> Result<ShardRecorder<'a, C>, String> {
+    pub fn new(part: Shard, report: &Path) -> Result<ShardRecorder<T>, String> {
         let path = answers_path(report);
+        let answers = AnswerRecorder::new(&path).map_err(|error| file_error(&path, &error))?;
         Ok(ShardRecorder {
             part,
-            plan,
-            circumstances,
-            answers: AnswerRecorder::new(&path).map_err(|error| file_error(&path, &error))?,
             path,
-            undoes_transforms: OnceLock::new(),
+            answers,
         })
     }
-}
 
-impl<C: TestCase> Observer<C> for ShardRecorder<'_, C> {
-    fn request_answered(&self, request: &Request<'_, C::View>, reply: &ReplyTo<C>) {
+    pub(super) fn record_answer<V: Display>(&self, request: &Request<'_, V>, reply: &Reply<T>) {
         self.answers.record_answer(request, reply);
     }
 
-    fn contact_made(&self, _: &Contact<C>, undone: &[UndoneTransform<C>]) {
-        let _ = self.undoes_transforms.set(!undone.is_empty());
+    /// Ends the recording of a case. If the answer equals the expected one, it is not stored.
+    pub(super) fn record_case(&self, id: &str, view: &dyn Display, is_expected: bool) {
+        self.answers.record_case(id, view, is_expected);
     }
 
-    fn case_finished(&self, case: &C, observation: &Observation<C>, _: usize, _: usize) {
-        if self.undoes_transforms.get() == Some(&false) {
-            self.answers.record_observation(case, observation);
-        }
-    }
-
-    fn verdicts_reported(
+    /// Writes the rest of the file. `report` is the report with all verdicts.
+    pub(super) fn finish(
         &self,
-        run: &Run<C>,
+        plan: &RunPlan,
+        circumstances: &Circumstances,
         report: &Report,
-        remarks: &OtherRemarks,
+        remarks: OtherRemarks,
+        ended_early: Option<String>,
     ) -> Result<(), String> {
         let end = Trailer {
             version: report.tool.version.clone(),
             corpus: report.tool.corpus.clone(),
             part: self.part,
-            circumstances: self.circumstances.clone(),
-            plan: self.plan.clone(),
-            remarks: remarks.clone(),
-            ended_early: run.ended_early.clone(),
+            circumstances: circumstances.clone(),
+            plan: plan.clone(),
+            remarks,
+            ended_early,
         };
         let written = self.answers.finish(&end);
         written.map_err(|error| file_error(&self.path, &error))

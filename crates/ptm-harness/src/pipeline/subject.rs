@@ -4,27 +4,19 @@ use std::ffi::OsString;
 
 use crate::report::shards::OtherRemarks;
 use crate::runner::{caller::Caller, run::Decoder, scratch::Scratch, serve::Servers};
-use crate::session::probe::{ProbeStep, wrapper_faults};
-use crate::session::{asking::ReplyTo, contact::Contact, locale, outputs::Outputs};
-use crate::session::{plan::RunPlan, remark::Remark, run::Run};
-use ptm_suite::cases::{Case, Expect, Suite};
+use crate::session::{outputs::Outputs, remark::Remark};
+use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::protocol::capabilities::Capabilities;
-use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::frame::{Answer, Frame, View};
 use ptm_suite::protocol::request::{Reply, Request};
-use ptm_suite::test_case::TestCase;
 
-/// The subject of a check. Every function `Fn(&Request, usize) -> Reply` is one.
-pub trait Subject<C: TestCase = Case>: Sync {
+/// The subject of a check. Every function `Fn(&Request, usize) -> Reply` is one. `V` is the type of views, and `T` that of outputs.
+pub trait Subject<V = View, T = Frame>: Sync {
     /// Answers a request. `worker` identifies the thread that sends it.
-    fn ask(&self, request: &Request<'_, C::View>, worker: usize) -> ReplyTo<C>;
+    fn ask(&self, request: &Request<'_, V>, worker: usize) -> Reply<T>;
 
-    /// Returns faults in the wrapper of a program, found with additional requests after first contact.
-    fn wrapper_faults(&self, _: &Suite<C>, _: &RunPlan, _: &Contact<C>) -> Vec<ProbeStep> {
-        Vec::new()
-    }
-
-    /// Returns advice for the case that the program is not a decoder.
-    fn advice(&self) -> Option<&str> {
+    /// Returns the program that decodes PTM files, if the subject is one. It is then sent additional requests.
+    fn program(&self) -> Option<Program<'_>> {
         None
     }
 
@@ -33,17 +25,17 @@ pub trait Subject<C: TestCase = Case>: Sync {
         None
     }
 
-    /// Returns remarks that are not derived from the answers of `run`.
-    fn remarks(&self, _suite: &Suite<C>, _run: &Run<C>) -> OtherRemarks {
+    /// Returns remarks that are not derived from answers.
+    fn remarks(&self) -> OtherRemarks {
         OtherRemarks::default()
     }
 }
 
-impl<C: TestCase, F> Subject<C> for F
+impl<V, T, F> Subject<V, T> for F
 where
-    F: Fn(&Request<'_, C::View>, usize) -> ReplyTo<C> + Sync,
+    F: Fn(&Request<'_, V>, usize) -> Reply<T> + Sync,
 {
-    fn ask(&self, request: &Request<'_, C::View>, worker: usize) -> ReplyTo<C> {
+    fn ask(&self, request: &Request<'_, V>, worker: usize) -> Reply<T> {
         self(request, worker)
     }
 }
@@ -56,11 +48,11 @@ pub struct OneShot<'a, F> {
     pub ask: F,
 }
 
-impl<C: TestCase, F> Subject<C> for OneShot<'_, F>
+impl<V, T, F> Subject<V, T> for OneShot<'_, F>
 where
-    F: Fn(&Request<'_, C::View>, usize) -> ReplyTo<C> + Sync,
+    F: Fn(&Request<'_, V>, usize) -> Reply<T> + Sync,
 {
-    fn ask(&self, request: &Request<'_, C::View>, worker: usize) -> ReplyTo<C> {
+    fn ask(&self, request: &Request<'_, V>, worker: usize) -> Reply<T> {
         (self.ask)(request, worker)
     }
 
@@ -70,11 +62,10 @@ where
 }
 
 /// A program that decodes PTM files.
+#[derive(Clone, Copy)]
 pub struct Program<'a> {
     /// The program and its limits.
     pub decoder: &'a Decoder,
-    /// The serving processes, unless each request starts a process.
-    pub servers: Option<Servers<'a>>,
     /// Directories for files and processes.
     pub scratch: &'a Scratch,
     /// The command that the user has given; empty if arguments cannot be appended to it.
@@ -82,16 +73,24 @@ pub struct Program<'a> {
     /// The declared capabilities.
     pub capabilities: &'a Capabilities,
     /// Advice for the case that the program is not a decoder.
-    pub advice: Option<String>,
+    pub advice: Option<&'a str>,
+}
+
+/// A program that decodes PTM files, with its processes.
+pub struct RunningProgram<'a> {
+    /// The program.
+    pub program: Program<'a>,
+    /// The serving processes, unless each request starts a process.
+    pub servers: Option<Servers<'a>>,
     /// The suite, if refusals cannot be recognized. A crash on an optional table spelling then counts as a refusal.
     pub without_refusals: Option<&'a Suite>,
 }
 
-impl Subject for Program<'_> {
+impl Subject for RunningProgram<'_> {
     fn ask(&self, request: &Request, worker: usize) -> Reply {
         let mut reply = match &self.servers {
             Some(servers) => servers.ask(request, worker),
-            None => self.decoder.ask(request, self.scratch),
+            None => self.program.decoder.ask(request, self.program.scratch),
         };
         if let (Some(suite), Answer::Crashed(_)) = (self.without_refusals, &reply.answer)
             && let Some(case) = suite.case(request.name)
@@ -102,36 +101,25 @@ impl Subject for Program<'_> {
         reply
     }
 
-    fn wrapper_faults(&self, suite: &Suite, plan: &RunPlan, contact: &Contact) -> Vec<ProbeStep> {
-        let (command, decoder) = (self.command, self.decoder);
-        wrapper_faults(command, decoder, self.scratch, suite, plan, contact)
-    }
-
-    fn advice(&self) -> Option<&str> {
-        self.advice.as_deref()
+    fn program(&self) -> Option<Program<'_>> {
+        Some(self.program)
     }
 
     fn trouble(&self) -> Option<String> {
-        self.decoder.trouble().map(str::to_owned)
+        self.program.decoder.trouble().map(str::to_owned)
     }
 
-    /// Reports a failure of serve mode, unknown words in the declared capabilities, and different answers in a locale with a
-    /// decimal comma, if the system has one.
-    fn remarks(&self, suite: &Suite, run: &Run) -> OtherRemarks {
+    /// Reports a failure of serve mode, and unknown words in the declared capabilities.
+    fn remarks(&self) -> OtherRemarks {
         let mut remarks = OtherRemarks::default();
-        let is_whole = run.not_a_decoder.is_none() && run.ended_early.is_none();
-        for remark in &self.capabilities.remarks {
-            let message = format!("capabilities: {remark}");
-            remarks.after.push(Remark::note(message));
-        }
-        if is_whole && let Some(locale) = locale::comma_locale() {
-            let difference = locale::difference(suite, run, self.decoder, &locale, self.scratch);
-            remarks.after.extend(difference.map(Remark::failure));
-        }
         if let Some(why) = self.servers.as_ref().and_then(Servers::failure) {
             remarks.before.push(Remark::failure(format!(
                 "serve mode failed and was replaced by one process per request: {why}"
             )));
+        }
+        for remark in &self.program.capabilities.remarks {
+            let message = format!("capabilities: {remark}");
+            remarks.after.push(Remark::note(message));
         }
         remarks
     }

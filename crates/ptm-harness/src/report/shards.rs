@@ -18,14 +18,11 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
 use sha2::{Digest, Sha256};
 
-use crate::session::asking::ReplyTo;
 use crate::session::{plan::RunPlan, remark::Remark};
-use ptm_suite::dialect::RightDialects;
 use ptm_suite::kit::digest::sha256;
 use ptm_suite::protocol::frame::Answer;
-use ptm_suite::protocol::request::{AttemptKind, Request};
-use ptm_suite::test_case::{Allowance, TestCase};
-use ptm_suite::verdicts::observation::{Observation, Response};
+use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
+use ptm_suite::test_case::Output;
 
 /// A part of the suite, written as `3/8` for the third of eight parts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -185,7 +182,7 @@ pub(crate) fn digest(file: &[u8]) -> String {
 }
 
 /// Writes answers to a file as they arrive.
-pub struct AnswerRecorder<C: TestCase>(Mutex<RecorderState<C::Output>>);
+pub struct AnswerRecorder<T>(Mutex<RecorderState<T>>);
 
 struct RecorderState<T> {
     out: BufWriter<File>,
@@ -195,12 +192,12 @@ struct RecorderState<T> {
     write_error: Option<io::Error>,
 }
 
-impl<C: TestCase> AnswerRecorder<C> {
+impl<T: Output> AnswerRecorder<T> {
     /// Creates an answer file.
     ///
     /// # Errors
     /// Returns the I/O error.
-    pub fn new(path: &Path) -> io::Result<AnswerRecorder<C>> {
+    pub fn new(path: &Path) -> io::Result<AnswerRecorder<T>> {
         Ok(AnswerRecorder(Mutex::new(RecorderState {
             out: BufWriter::new(File::create(path)?),
             waiting: HashMap::new(),
@@ -209,7 +206,7 @@ impl<C: TestCase> AnswerRecorder<C> {
     }
 
     /// Records an answer.
-    pub fn record_answer(&self, request: &Request<'_, C::View>, reply: &ReplyTo<C>) {
+    pub fn record_answer<V: fmt::Display>(&self, request: &Request<'_, V>, reply: &Reply<T>) {
         let record = RecordedAnswer {
             case: request.name.to_owned(),
             file: digest(request.file),
@@ -232,21 +229,12 @@ impl<C: TestCase> AnswerRecorder<C> {
         }
     }
 
-    /// Writes the answer that belongs to `observation`, without its image if the image equals the expected one.
-    pub fn record_observation(&self, case: &C, observation: &Observation<C>) {
-        let expected = matches!(
-            observation.response,
-            Response::Image {
-                right: RightDialects::Regardless(true),
-                difference: None,
-                allowance: Allowance::None,
-                ..
-            }
-        );
+    /// Writes the last answer to a case, without the output if it equals the expected one.
+    pub fn record_case(&self, id: &str, view: &dyn fmt::Display, is_expected: bool) {
         let mut state = self.0.lock().expect("no worker panics");
-        let key = (case.id().to_owned(), observation.view.to_string());
+        let key = (id.to_owned(), view.to_string());
         if let Some(mut record) = state.waiting.remove(&key) {
-            if expected && case.expected_output(&observation.view).is_some() {
+            if is_expected {
                 record.answer = None;
             }
             state.write(&record);

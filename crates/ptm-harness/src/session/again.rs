@@ -26,7 +26,7 @@ impl<C: TestCase> Session<'_, C> {
         &self,
         table: TableSpelling,
         observations: &mut [Option<Observation<C>>],
-        judgment: &Judgment<C>,
+        judgment: &Judgment<C::Feature>,
         progress: &CountCallback,
     ) -> bool {
         if self.plan.repeat == Repeat::Nothing {

@@ -23,7 +23,7 @@ pub struct Run<C: TestCase = Case> {
     /// Observations, one slot per case of the suite.
     pub observations: Observations<C>,
     /// The verdicts.
-    pub judgment: Judgment<C>,
+    pub judgment: Judgment<C::Feature>,
     /// The decoder's replies to the first files.
     pub first: Vec<FirstFile<C>>,
     /// The views and the kinds of cases that the decoder offers.
@@ -284,7 +284,7 @@ impl<C: TestCase> Session<'_, C> {
         &self,
         contact: Contact<C>,
         observations: Observations<C>,
-        judgment: Judgment<C>,
+        judgment: Judgment<C::Feature>,
     ) -> Run<C> {
         Run {
             observations,

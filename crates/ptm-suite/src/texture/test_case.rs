@@ -9,7 +9,7 @@ use crate::cases::{Expect, Suite, TableSpelling};
 use crate::dialect::{Choices, Dialect, RightDialects};
 use crate::kit::digest::sha256;
 use crate::name::SuiteName;
-use crate::test_case::{Allowance, Comparison, TestCase};
+use crate::test_case::{Allowance, Comparison, Output, TestCase};
 use crate::texture::cases::{Basis, TextureCase};
 use crate::texture::choices::CHOICES;
 use ptm_texture::Rules;
@@ -26,6 +26,8 @@ impl fmt::Display for TextureView {
         f.write_str("texture")
     }
 }
+
+impl Output for Value {}
 
 impl TestCase for TextureCase {
     type View = TextureView;

@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cases::{Case, Expect, Suite, TableSpelling};
 use crate::dialect::{Dialect, RightDialects};
+use crate::features::Feature;
 use crate::protocol::frame::{Answer, ViewKind};
 use crate::test_case::TestCase;
 use crate::verdicts::dialect::{Certainty, DependentAnswers, dialect_of};
@@ -13,9 +14,9 @@ use crate::verdicts::observation::{Observation, Response};
 use crate::verdicts::offer::Offer;
 use crate::verdicts::outcome::{Outcome, ResponseKind, Verdict, outcome};
 
-/// The result of judging a decoder.
+/// The result of judging a decoder. `F` is the type of features.
 #[derive(Clone, Debug)]
-pub struct Judgment<C: TestCase = Case> {
+pub struct Judgment<F = Feature> {
     /// Verdicts, one slot per case of the suite; `None` if the case was not selected.
     pub cases: Vec<Option<Verdict>>,
     /// Reading of each open question. If no case reveals the decoder's reading, this is the reading of the reference.
@@ -23,12 +24,12 @@ pub struct Judgment<C: TestCase = Case> {
     /// Certainty of each reading.
     pub certainties: Vec<Certainty>,
     /// Features that the decoder does not support.
-    pub unsupported: BTreeSet<C::Feature>,
+    pub unsupported: BTreeSet<F>,
     /// Features with at least one decoded file.
-    pub decoded: BTreeSet<C::Feature>,
+    pub decoded: BTreeSet<F>,
 }
 
-impl<C: TestCase> Judgment<C> {
+impl<F> Judgment<F> {
     /// Returns the indices of the cases with this outcome.
     pub fn with_outcome(&self, outcome: Outcome) -> impl Iterator<Item = usize> {
         let judged = self.cases.iter().enumerate();
@@ -44,7 +45,7 @@ pub fn judge<C: TestCase>(
     selected: &[bool],
     observations: &[Option<Observation<C>>],
     offer: &Offer<C>,
-) -> Judgment<C> {
+) -> Judgment<C::Feature> {
     let answers = DependentAnswers::new(suite, observations);
     let (dialect, certain) = dialect_of(&answers);
     let (unsupported, decoded) = features(suite, observations, offer);
