@@ -44,7 +44,7 @@ impl Report {
             schema: SCHEMA,
             suite: C::SUITE,
             tool: Tool {
-                name: env!("CARGO_PKG_NAME").to_owned(),
+                name: "ptm-conform".to_owned(),
                 version: env!("CARGO_PKG_VERSION").to_owned(),
                 corpus: C::digest(suite),
                 limits,
