@@ -18,7 +18,7 @@ use ptm_harness::report::{Report, suite_texts::SuiteTexts};
 use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::kit::escape_controls;
 use ptm_suite::name::SuiteName;
-use ptm_suite::verdicts::observation::Observation;
+use ptm_suite::verdicts::observation::ObservationOf;
 
 /// Show, compare, merge and convert reports of check.
 #[derive(Args)]
@@ -193,7 +193,7 @@ fn convert(command: &ReportCommand, reports: &[Report], texts: &SuiteTexts) -> C
 fn merge<C: Explain>(
     args: &MergeArgs,
     suite: &Suite<C>,
-    render: fn(&C, TableSpelling, &Observation<C>) -> Markup,
+    render: fn(&C, TableSpelling, &ObservationOf<C>) -> Markup,
 ) -> CommandResult {
     let writer = ReportWriter::new(suite, &args.report, &args.outputs)?;
     let answers = RecordedAnswers::read(suite, &args.parts)?;

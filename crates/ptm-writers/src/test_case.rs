@@ -18,7 +18,7 @@ use ptm_suite::cases::{Expect, Suite, TableSpelling};
 use ptm_suite::dialect::{Choices, RightDialects};
 use ptm_suite::kit::digest::sha256;
 use ptm_suite::test_case::{Allowance, Comparison, Output, TestCase};
-use ptm_suite::verdicts::observation::{Observation, Response};
+use ptm_suite::verdicts::observation::{Observation, ObservationOf, Response};
 use ptm_suite::{features::Feature, name::SuiteName};
 
 /// The only view of a writer: `write`.
@@ -130,9 +130,8 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
 }
 
 /// Returns the wrong file in an observation and the fault of this file. Returns `None` if there is no wrong file.
-#[must_use]
-pub fn wrong_file<V: RequestValues>(
-    observation: Option<&Observation<FileCase<V>>>,
+pub fn wrong_file(
+    observation: Option<&Observation<WriteView, WrittenFile, WriterFault>>,
 ) -> Option<(&[u8], &WriterFault)> {
     match &observation?.response {
         Response::Image {

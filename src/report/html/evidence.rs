@@ -21,7 +21,7 @@ use ptm_suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
 use ptm_suite::protocol::frame::{Frame, View, ViewKind};
 use ptm_suite::test_case::TestCase;
 use ptm_suite::texture::cases::TextureCase;
-use ptm_suite::verdicts::observation::{Observation, Response};
+use ptm_suite::verdicts::observation::{Observation, ObservationOf, Response};
 
 /// What a page shows of a run, in addition to the report.
 pub struct Evidence<'a> {
@@ -36,7 +36,7 @@ impl<'a> Evidence<'a> {
     pub fn new<C: TestCase>(
         suite: &'a Suite<C>,
         run: &'a Run<C>,
-        render: fn(&C, TableSpelling, &Observation<C>) -> Markup,
+        render: fn(&C, TableSpelling, &ObservationOf<C>) -> Markup,
     ) -> Evidence<'a> {
         let cases = suite.cases.iter().zip(&run.observations);
         let observed: HashMap<&str, _> = cases
@@ -96,7 +96,7 @@ pub fn download(name: &str, file: &[u8]) -> Markup {
 pub fn question_evidence(
     case: &TextureCase,
     _: TableSpelling,
-    observed: &Observation<TextureCase>,
+    observed: &ObservationOf<TextureCase>,
 ) -> Markup {
     let received = match &observed.response {
         Response::Image { frame, .. } => frame.as_ref().unwrap_or(&case.expect).to_string(),
@@ -278,7 +278,7 @@ const MAX_DISPLAYED_BYTES: usize = 512;
 pub fn file_evidence<V: RequestValues>(
     case: &FileCase<V>,
     _: TableSpelling,
-    observation: &Observation<FileCase<V>>,
+    observation: &ObservationOf<FileCase<V>>,
 ) -> Markup {
     let file = wrong_file(Some(observation)).map(|(file, _)| file);
     let (caption, text) = V::describe(&case.values.build(case.format));

@@ -45,7 +45,7 @@ use crate::session::remark::Remark;
 use crate::session::run::{Observations, Run, Session};
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::protocol::request::Request;
-use ptm_suite::verdicts::observation::Observation;
+use ptm_suite::verdicts::observation::ObservationOf;
 use ptm_suite::verdicts::outcome::Outcome;
 
 /// Minimum number of other cases for a first search among the prioritized cases. A shorter run would end before the user has read
@@ -268,7 +268,7 @@ fn request_cases<C: Explain>(
     let (prioritized, others) = session.agenda(contact);
     let total = prioritized.len() + others.len();
     let done = AtomicUsize::new(0);
-    let progress = |case: &C, observation: &Observation<C>, _: usize, _: usize| {
+    let progress = |case: &C, observation: &ObservationOf<C>, _: usize, _: usize| {
         let (id, view, response) = (case.id(), &observation.view, &observation.response);
         // If transforms are undone before comparison, do not replace the recorded original answer.
         if let (Some(recorder), []) = (&check.recorder, &session.undone_transforms[..]) {

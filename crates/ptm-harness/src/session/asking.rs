@@ -3,16 +3,15 @@
 //! The decoder is a closure from request to reply, so simulated misreadings and external programs are judged in the same way.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 
-use crate::session::plan::{Repeat, RunPlan};
+use crate::session::plan::RunPlan;
 use crate::session::tally::Tally;
 use ptm_suite::cases::{Case, Suite, TableSpelling};
-use ptm_suite::kit::parallel::run_on_threads;
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 use ptm_suite::test_case::TestCase;
-use ptm_suite::verdicts::observation::{Nondeterminism, Observation, Response};
+use ptm_suite::verdicts::observation::{Nondeterminism, Observation, ObservationOf, Response};
 
 /// A reply to a request for a case.
 pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
@@ -35,9 +34,6 @@ pub struct UndoneTransform<C: TestCase> {
     /// Maps a received output to the output before the transform.
     pub undo: Arc<UndoFn<C::Output>>,
 }
-
-/// Maximum number of requests that may exceed the higher time limit. Then, no more requests are repeated with it.
-const MAX_UNANSWERED: usize = 5;
 
 /// A run in progress: the decoder, the plan, and a count of the requests.
 pub struct Session<'a, C: TestCase> {
@@ -68,18 +64,12 @@ impl<'a, C: TestCase> Session<'a, C> {
     }
 
     pub(super) fn end_reason(&self) -> Option<String> {
-        if self.is_interrupted() {
-            return Some("the run was interrupted".to_owned());
-        }
-        let limit = self.tally.exceeded_limit.get()?;
-        Some(format!(
-            "the run ended early: the decoder {limit} on three legal files in a row"
-        ))
+        self.tally.end_reason(self.plan)
     }
 
     /// Returns true if the user has ended the run.
     pub(super) fn is_interrupted(&self) -> bool {
-        self.plan.stop.load(Ordering::Relaxed)
+        self.plan.is_interrupted()
     }
 
     /// Returns the number of requests so far.
@@ -96,15 +86,9 @@ impl<'a, C: TestCase> Session<'a, C> {
         table: TableSpelling,
         worker: usize,
         attempt: AttemptKind,
-    ) -> (Observation<C>, ReplyTo<C>) {
-        self.tally.calls.fetch_add(1, Ordering::Relaxed);
+    ) -> (ObservationOf<C>, ReplyTo<C>) {
         let (observation, reply) = self.request(case, view, table, worker, attempt);
-        if is_violation(&reply) {
-            self.tally.violations.fetch_add(1, Ordering::Relaxed);
-        }
-        if let (AttemptKind::Usual, Some(limit)) = (attempt, observation.response.time_limit()) {
-            let _ = self.tally.usual_limit.set(limit);
-        }
+        self.tally.count(&reply, attempt);
         (observation, reply)
     }
 
@@ -115,20 +99,15 @@ impl<'a, C: TestCase> Session<'a, C> {
         case: &C,
         view: &C::View,
         table: TableSpelling,
-    ) -> Option<(Observation<C>, ReplyTo<C>)> {
-        if self.plan.unanswered.load(Ordering::Relaxed) >= MAX_UNANSWERED || self.is_interrupted() {
+    ) -> Option<(ObservationOf<C>, ReplyTo<C>)> {
+        if !self.plan.may_ask_alone() {
             return None;
         }
         let (observation, reply) = self.request(case, view, table, 0, AttemptKind::Alone);
         if self.is_interrupted() {
             return None;
         }
-        if !is_violation(&reply) {
-            self.tally.violations.fetch_sub(1, Ordering::Relaxed);
-        }
-        if observation.response.time_limit().is_none() {
-            self.tally.record_slow_file(case.id());
-        }
+        self.tally.count_alone(&reply, case.id());
         Some((observation, reply))
     }
 
@@ -138,7 +117,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         case: &C,
         view: &C::View,
         table: TableSpelling,
-    ) -> Observation<C> {
+    ) -> ObservationOf<C> {
         let (observation, _) = self.observe(case, view, table, 0, AttemptKind::Usual);
         match observation
             .is_open()
@@ -157,7 +136,7 @@ impl<'a, C: TestCase> Session<'a, C> {
         table: TableSpelling,
         worker: usize,
         attempt: AttemptKind,
-    ) -> (Observation<C>, ReplyTo<C>) {
+    ) -> (ObservationOf<C>, ReplyTo<C>) {
         let built = case.make(table);
         let request = Request {
             name: case.id(),
@@ -167,7 +146,7 @@ impl<'a, C: TestCase> Session<'a, C> {
             attempt,
         };
         let reply = (self.ask)(&request, worker);
-        if attempt == AttemptKind::Alone && is_timeout(&reply) {
+        if attempt == AttemptKind::Alone && reply.is_timeout() {
             self.plan.unanswered.fetch_add(1, Ordering::Relaxed);
         }
         let mut undone = self.undone_transforms.iter();
@@ -193,32 +172,6 @@ impl<'a, C: TestCase> Session<'a, C> {
         };
         (observation, reply)
     }
-
-    /// Calls `work` with each number below `count`, in one thread per job. A worker stops when `work` returns false.
-    pub(super) fn run_in_parallel(&self, count: usize, work: impl Fn(usize, usize) -> bool + Sync) {
-        let (jobs, next) = (self.plan.jobs, AtomicUsize::new(0));
-        // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.
-        let fixed = self.plan.repeat == Repeat::FailuresAndSample;
-        run_on_threads(jobs, &|worker| {
-            let mut mine = (worker..count).step_by(jobs);
-            let any = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&place| place < count);
-            while let Some(place) = if fixed { mine.next() } else { any() } {
-                if !work(place, worker) {
-                    return;
-                }
-            }
-        });
-    }
-}
-
-/// Returns true if the request exceeded its time limit.
-pub(super) const fn is_timeout<T>(reply: &Reply<T>) -> bool {
-    matches!(reply.answer, Answer::TimedOut(_))
-}
-
-/// Returns true if a call ended in neither a frame nor a refusal, or a serving process did not answer.
-fn is_violation<T>(reply: &Reply<T>) -> bool {
-    reply.answer.violation().is_some() || reply.serve_mode_answer.is_some()
 }
 
 /// Returns the failure of a serving process, if a new process then answered within the limits. An exceeded time limit is not a

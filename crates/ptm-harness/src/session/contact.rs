@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 
-use crate::session::asking::{ReplyTo, Session, is_timeout, serve_mode_failure};
+use crate::session::asking::{ReplyTo, Session, serve_mode_failure};
 use crate::session::{plan::Repeat, remark::Remark, tally::TimeoutWatch};
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Frame, View};
@@ -163,18 +163,18 @@ impl<C: TestCase> Session<'_, C> {
         let mut replies: Vec<FirstFile<C>> = Vec::new();
         let mut left = Vec::new();
         for (case, view) in requests {
-            let is_slow = |first: &FirstFile<C>| first.case == case && is_timeout(&first.reply);
+            let is_slow = |first: &FirstFile<C>| first.case == case && first.reply.is_timeout();
             let decoded = replies.iter().any(FirstFile::is_decoded);
             if decoded && !in_order || replies.last().is_some_and(is_slow) {
                 left.push((case, view));
                 continue;
             }
-            let attempt = match replies.iter().all(|first| is_timeout(&first.reply)) {
+            let attempt = match replies.iter().all(|first| first.reply.is_timeout()) {
                 true => AttemptKind::Alone,
                 false => AttemptKind::Usual,
             };
             let first = self.request_first_file(case, view, 0, attempt);
-            watch.record(case, is_timeout(&first.reply));
+            watch.record(case, first.reply.is_timeout());
             let is_hopeless = matches!(first.reply.answer, Answer::NotStarted(_));
             replies.push(first);
             if is_hopeless || self.is_interrupted() {
@@ -223,7 +223,7 @@ impl<C: TestCase> Session<'_, C> {
         if self.is_over() {
             return;
         }
-        let open = replies.iter().filter(|first| is_timeout(&first.reply));
+        let open = replies.iter().filter(|first| first.reply.is_timeout());
         let open: BTreeSet<usize> = open.map(|first| first.case).collect();
         for case in open {
             self.repeat_first_file(case, &mut replies.iter_mut().collect::<Vec<_>>());
@@ -256,7 +256,7 @@ impl<C: TestCase> Session<'_, C> {
         watch: Option<&TimeoutWatch>,
     ) {
         let replies = Mutex::new(replies);
-        self.run_in_parallel(requests.len(), |place, worker| {
+        self.plan.run_in_parallel(requests.len(), |place, worker| {
             let lock = || replies.lock().expect("no worker panics");
             let (case, view) = requests[place];
             if lock()[place].is_some() {
@@ -267,7 +267,7 @@ impl<C: TestCase> Session<'_, C> {
             }
             let first = self.request_first_file(case, view, worker, AttemptKind::Usual);
             if let Some(watch) = watch {
-                watch.record(case, is_timeout(&first.reply));
+                watch.record(case, first.reply.is_timeout());
             }
             lock()[place] = Some(first);
             true
@@ -294,7 +294,7 @@ impl<C: TestCase> Session<'_, C> {
     /// were answered, false after the first that exceeds this limit, too, and `None` if no request may be repeated.
     fn repeat_first_file(&self, case: usize, replies: &mut [&mut FirstFile<C>]) -> Option<bool> {
         for first in replies {
-            if first.case != case || !is_timeout(&first.reply) {
+            if first.case != case || !first.reply.is_timeout() {
                 continue;
             }
             if first.attempt == AttemptKind::Usual {
@@ -302,7 +302,7 @@ impl<C: TestCase> Session<'_, C> {
                 (_, first.reply) = self.observe_alone(file, &first.view, table)?;
                 first.attempt = AttemptKind::Alone;
             }
-            if is_timeout(&first.reply) {
+            if first.reply.is_timeout() {
                 return Some(false);
             }
         }

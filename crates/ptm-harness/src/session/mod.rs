@@ -2,7 +2,6 @@
 //!
 //! All requests, for PTM files or texture questions, are [`TestCase`](ptm_suite::test_case::TestCase)s.
 
-mod again;
 pub mod asking;
 pub mod contact;
 mod curve;
@@ -14,6 +13,7 @@ pub mod plan;
 pub mod probe;
 pub mod remark;
 pub mod run;
+mod schedule;
 mod tally;
 pub mod texture_stage;
 pub mod transform;

@@ -1,11 +1,12 @@
 //! The plan of a run: the selected cases and the options.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use serde::{Deserialize, Serialize};
 
 use ptm_suite::cases::{Expect, Suite, TableSpelling};
+use ptm_suite::kit::parallel::run_on_threads;
 use ptm_suite::protocol::capabilities::Capabilities;
 use ptm_suite::protocol::frame::ViewKind;
 use ptm_suite::test_case::TestCase;
@@ -53,6 +54,9 @@ pub enum Repeat {
     FailuresAndSample,
 }
 
+/// Maximum number of requests that may exceed the higher time limit. Then, no more requests are repeated with it.
+const MAX_UNANSWERED: usize = 5;
+
 /// Interval at which cases that did not fail are repeated.
 pub const SAMPLE_INTERVAL: usize = 100;
 
@@ -75,6 +79,32 @@ impl RunPlan {
             Repeat::FailuresAndSample => "serve",
             _ => "one-shot",
         }
+    }
+
+    /// Returns true if the user has ended the run.
+    pub(crate) fn is_interrupted(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Returns true if a request that exceeded the time limit may be repeated alone.
+    pub(super) fn may_ask_alone(&self) -> bool {
+        self.unanswered.load(Ordering::Relaxed) < MAX_UNANSWERED && !self.is_interrupted()
+    }
+
+    /// Calls `work` with each number below `count`, in one thread per job. A worker stops when `work` returns false.
+    pub(super) fn run_in_parallel(&self, count: usize, work: impl Fn(usize, usize) -> bool + Sync) {
+        let (jobs, next) = (self.jobs, AtomicUsize::new(0));
+        // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.
+        let fixed = self.repeat == Repeat::FailuresAndSample;
+        run_on_threads(jobs, &|worker| {
+            let mut mine = (worker..count).step_by(jobs);
+            let any = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&place| place < count);
+            while let Some(place) = if fixed { mine.next() } else { any() } {
+                if !work(place, worker) {
+                    return;
+                }
+            }
+        });
     }
 
     /// Returns true if neither the user nor the decoder's declaration excludes a view.

@@ -1,19 +1,21 @@
 //! The requests of a run and their results: requests every case once, repeats failed cases, and computes verdicts.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
 
 use crate::session::asking::CountCallback;
 pub use crate::session::asking::Session;
 use crate::session::contact::{Contact, FirstFile};
+use crate::session::plan::{Repeat, RunPlan, SAMPLE_INTERVAL};
 use crate::session::remark::Remark;
-use crate::session::tally::TimeoutWatch;
+use crate::session::schedule::Requests;
+use crate::session::tally::Tally;
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::protocol::request::AttemptKind;
 use ptm_suite::test_case::TestCase;
 use ptm_suite::verdicts::judge::{Judgment, judge};
-use ptm_suite::verdicts::observation::{Observation, Response};
+use ptm_suite::verdicts::observation::{ObservationOf, Response};
 use ptm_suite::verdicts::scores::{Fraction, Scores};
 use ptm_suite::verdicts::{offer::Offer, outcome::Outcome};
 
@@ -47,10 +49,10 @@ pub struct Run<C: TestCase = Case> {
 }
 
 /// Observations, one slot per case of the suite; `None` for cases that were not requested.
-pub type Observations<C> = Vec<Option<Observation<C>>>;
+pub type Observations<C> = Vec<Option<ObservationOf<C>>>;
 
 /// A callback for each finished case. It receives the case, its observation, the number of finished cases, and the total.
-pub type Progress<'a, C = Case> = dyn Fn(&C, &Observation<C>, usize, usize) + Sync + 'a;
+pub type Progress<'a, C = Case> = dyn Fn(&C, &ObservationOf<C>, usize, usize) + Sync + 'a;
 
 impl<C: TestCase> Session<'_, C> {
     /// Returns the indices of the cases to request in two lists: the prioritized cases, and the others. The lists contain
@@ -78,145 +80,21 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Requests these cases once, each in the first of its views that the decoder offers.
-    ///
-    /// After three consecutive legal files that exceed the time limit, one of them after the other is requested alone until one is
-    /// answered. If none is, the run ends, and the results of later cases are dropped, so the number of jobs does not affect the
-    /// report.
-    pub fn request_cases(
+    pub(crate) fn request_cases(
         &self,
         contact: &Contact<C>,
         case_indices: &[usize],
-        observations: &mut [Option<Observation<C>>],
+        observations: &mut [Option<ObservationOf<C>>],
         progress: &Progress<C>,
     ) {
-        let is_legal = |at: usize| self.suite.cases[case_indices[at]].expect() == Expect::Decode;
-        let mut first = 0;
-        while !self.is_over() {
-            let legal = (first..case_indices.len()).filter(|&at| is_legal(at));
-            let watch = TimeoutWatch::new(legal.collect());
-            self.request_watched(contact, case_indices, observations, progress, &watch);
-            let Some(slow) = watch.consecutive().filter(|_| !self.is_interrupted()) else {
-                return;
-            };
-            let last = *slow.last().expect("the list is not empty");
-            let slow: Vec<usize> = slow.iter().map(|&at| case_indices[at]).collect();
-            let mut slow_files = slow.iter();
-            if slow_files.any(|&i| {
-                let case = &self.suite.cases[i];
-                self.repeat_alone(contact.table, &mut observations[i], case) == Some(true)
-            }) {
-                first = last + 1;
-                continue;
-            }
-            if self.is_interrupted() {
-                return;
-            }
-            let limits = slow
-                .iter()
-                .filter_map(|&i| observations[i].as_ref()?.response.time_limit());
-            let limit = limits.min().expect("the files exceeded a time limit");
-            let _ = self.tally.exceeded_limit.set(limit);
-            for &i in &case_indices[last + 1..] {
-                self.drop_observation(&mut observations[i]);
-            }
-        }
-    }
-
-    /// Requests those of the cases that have no observation yet, until `watch` finds consecutive files that exceed the time limit.
-    fn request_watched(
-        &self,
-        contact: &Contact<C>,
-        case_indices: &[usize],
-        observations: &mut [Option<Observation<C>>],
-        progress: &Progress<C>,
-        watch: &TimeoutWatch,
-    ) {
-        let cases = &self.suite.cases;
-        let is_done = |i: &&usize| observations[**i].is_some();
-        let done = case_indices.iter().filter(is_done).count();
-        let state = Mutex::new((observations, done));
-        let lock = || state.lock().expect("no worker panics");
-        self.run_in_parallel(case_indices.len(), |at, worker| {
-            let i = case_indices[at];
-            let Some(view) = contact.offer.chosen_view(&cases[i]) else {
-                return true;
-            };
-            let seen = lock().0[i].as_ref().map(Observation::is_open);
-            if let Some(timed_out) = seen {
-                watch.record(at, timed_out);
-                return true;
-            }
-            if watch.is_after(at) || self.is_interrupted() {
-                return false;
-            }
-            let usual = AttemptKind::Usual;
-            let (observation, _) = self.observe(&cases[i], view, contact.table, worker, usual);
-            if self.is_interrupted() {
-                self.drop_observation(&mut Some(observation));
-                return false;
-            }
-            watch.record(at, observation.is_open());
-            let (observations, done) = &mut *lock();
-            *done += 1;
-            progress(&cases[i], &observation, *done, case_indices.len());
-            observations[i] = Some(observation);
-            true
-        });
-    }
-
-    /// Repeats an open request alone, with a higher time limit. Returns true if it was answered, false if it exceeded this limit,
-    /// too, and `None` if it was not repeated.
-    fn repeat_alone(
-        &self,
-        table: TableSpelling,
-        observation: &mut Option<Observation<C>>,
-        case: &C,
-    ) -> Option<bool> {
-        let open = observation.as_ref().filter(|seen| seen.is_open())?;
-        let (repeated, _) = self.observe_alone(case, &open.view, table)?;
-        let is_answered = repeated.response.time_limit().is_none();
-        *observation = Some(repeated);
-        Some(is_answered)
-    }
-
-    /// Repeats all requests that exceeded the time limit, one after the other: first those for legal files. If the user ends the
-    /// run, drops those that are still open, because nothing is known about them.
-    fn repeat_open_requests(
-        &self,
-        table: TableSpelling,
-        observations: &mut [Option<Observation<C>>],
-        progress: &CountCallback,
-    ) {
-        let cases = &self.suite.cases;
-        let is_open = |&i: &usize| observations[i].as_ref().is_some_and(Observation::is_open);
-        let mut open: Vec<usize> = (0..cases.len()).filter(is_open).collect();
-        open.sort_by_key(|&i| cases[i].expect() != Expect::Decode);
-        for (done, &i) in open.iter().enumerate() {
-            let repeated = self.repeat_alone(table, &mut observations[i], &cases[i]);
-            if repeated.is_none() {
-                break;
-            }
-            progress(done + 1, open.len());
-        }
-        if self.is_interrupted() {
-            for i in open {
-                if observations[i].as_ref().is_some_and(Observation::is_open) {
-                    self.drop_observation(&mut observations[i]);
-                }
-            }
-        }
-    }
-
-    /// Removes an observation and its request from the counts of this run.
-    fn drop_observation(&self, observation: &mut Option<Observation<C>>) {
-        let Some(observation) = observation.take() else {
-            return;
+        let finished = |i: usize, observation: &ObservationOf<C>, done: usize, total: usize| {
+            progress(&self.suite.cases[i], observation, done, total);
         };
-        // True if the call ended in neither a frame nor a refusal, or a serving process did not answer.
-        let is_violation = matches!(observation.response, Response::Violation(_))
-            || observation.nondeterminism.is_some();
-        self.tally.calls.fetch_sub(1, Ordering::Relaxed);
-        (self.tally.violations).fetch_sub(is_violation.into(), Ordering::Relaxed);
+        let requests = CaseRequests {
+            session: self,
+            contact,
+        };
+        requests.request_all(case_indices, observations, &finished);
     }
 
     /// Returns the run that results if only these cases are selected. Nothing is repeated.
@@ -225,11 +103,11 @@ impl<C: TestCase> Session<'_, C> {
         &self,
         contact: &Contact<C>,
         indices: &[usize],
-        observations: &[Option<Observation<C>>],
+        observations: &[Option<ObservationOf<C>>],
     ) -> Run<C> {
         let selected = &self.plan.selected;
         // Open requests will be repeated, so they have no verdict yet.
-        let is_closed = |seen: &Observation<C>| !seen.is_open();
+        let is_closed = |seen: &ObservationOf<C>| !seen.is_open();
         let is_seen = |i: usize| {
             selected[i] && indices.contains(&i) && observations[i].as_ref().is_some_and(is_closed)
         };
@@ -247,9 +125,13 @@ impl<C: TestCase> Session<'_, C> {
         mut observations: Observations<C>,
         progress: &CountCallback,
     ) -> Run<C> {
-        let (suite, table) = (self.suite, contact.table);
+        let suite = self.suite;
         let nothing = vec![false; suite.cases.len()];
-        self.repeat_open_requests(table, &mut observations, progress);
+        let requests = CaseRequests {
+            session: &self,
+            contact: &contact,
+        };
+        requests.repeat_open(&mut observations, progress);
         let end_reason = self.end_reason();
         let (selected, ended_early) = match contact.not_a_decoder {
             Some(_) => (&nothing, end_reason),
@@ -259,15 +141,20 @@ impl<C: TestCase> Session<'_, C> {
             ),
         };
         let mut judgment = judge(suite, selected, &observations, &contact.offer);
-        if ended_early.is_none() && self.repeat(table, &mut observations, &judgment, progress) {
-            judgment = judge(suite, selected, &observations, &contact.offer);
+        if ended_early.is_none() {
+            let wanted = self.cases_to_repeat(&observations, &judgment);
+            let kind = |i: usize| suite.cases[i].kind();
+            if requests.repeat(wanted, kind, &mut observations, progress) {
+                judgment = judge(suite, selected, &observations, &contact.offer);
+            }
         }
         // The run may be interrupted while cases are repeated.
         let ended_early = ended_early.or(self.end_reason());
         let reason = || all_unsupported_reason(suite, &observations);
         let not_a_decoder = contact.not_a_decoder.clone().or_else(reason);
-        let is_open = |seen: &&Observation<C>| seen.is_open();
+        let is_open = |seen: &&ObservationOf<C>| seen.is_open();
         let open = observations.iter().flatten().filter(is_open).count();
+        let withheld = self.plan.withheld_in(suite, contact.table);
         let mut run = self.run(contact, observations, judgment);
         run.remarks.extend(self.tally.remarks(open));
         let mut run = Run {
@@ -275,9 +162,39 @@ impl<C: TestCase> Session<'_, C> {
             not_a_decoder,
             ..run
         };
-        run.explain_skipped_cases(suite, &self.plan.withheld_in(suite, table));
+        run.explain_skipped_cases(suite, &withheld);
         run.report_early_end();
         run
+    }
+
+    /// Returns the failures and, if the decoder serves, a sample of the other cases.
+    fn cases_to_repeat(
+        &self,
+        observations: &[Option<ObservationOf<C>>],
+        judgment: &Judgment<C::Feature>,
+    ) -> Vec<usize> {
+        let cases = &self.suite.cases;
+        let is_wanted = |&i: &usize| {
+            let (Some(observation), Some(judged)) = (&observations[i], &judgment.cases[i]) else {
+                return false;
+            };
+            // The sample includes the first legal case of each unsupported kind.
+            let is_first_unsupported = || {
+                let mut unsupported = judgment.with_outcome(Outcome::Unsupported);
+                let key = |index: usize| (cases[index].kind(), cases[index].expect());
+                let first = (cases[i].kind(), Expect::Decode);
+                unsupported.find(|&index| key(index) == first) == Some(i)
+            };
+            let is_sampled = || {
+                self.plan.repeat == Repeat::FailuresAndSample
+                    && (i % SAMPLE_INTERVAL == SAMPLE_INTERVAL / 2 || is_first_unsupported())
+            };
+            !observation.is_settled() && (judged.outcome == Outcome::Fail || is_sampled())
+        };
+        match self.plan.repeat {
+            Repeat::Nothing => Vec::new(),
+            _ => (0..observations.len()).filter(is_wanted).collect(),
+        }
     }
 
     fn run(
@@ -303,15 +220,55 @@ impl<C: TestCase> Session<'_, C> {
     }
 }
 
+/// The requests for the cases of a suite, after first contact.
+struct CaseRequests<'a, C: TestCase> {
+    session: &'a Session<'a, C>,
+    contact: &'a Contact<C>,
+}
+
+impl<C: TestCase> Requests<C::View, C::Output, C::Difference> for CaseRequests<'_, C> {
+    fn plan(&self) -> &RunPlan {
+        self.session.plan
+    }
+
+    fn tally(&self) -> &Tally {
+        &self.session.tally
+    }
+
+    fn is_legal(&self, case: usize) -> bool {
+        self.session.suite.cases[case].expect() == Expect::Decode
+    }
+
+    fn observe(&self, case: usize, worker: usize) -> ObservationOf<C> {
+        let case = &self.session.suite.cases[case];
+        let view = self.contact.offer.chosen_view(case);
+        let view = view.expect("only cases with an offered view are requested");
+        let (table, usual) = (self.contact.table, AttemptKind::Usual);
+        self.session.observe(case, view, table, worker, usual).0
+    }
+
+    fn observe_alone(&self, case: usize, view: &C::View) -> Option<ObservationOf<C>> {
+        let case = &self.session.suite.cases[case];
+        let (observation, _) = self.session.observe_alone(case, view, self.contact.table)?;
+        Some(observation)
+    }
+
+    fn observe_again(&self, case: usize, view: &C::View, worker: usize) -> ObservationOf<C> {
+        let case = &self.session.suite.cases[case];
+        let (table, again) = (self.contact.table, AttemptKind::Repetition);
+        self.session.request(case, view, table, worker, again).0
+    }
+}
+
 /// Returns the reason why a program that exited with 69 for every must-accept file is not a decoder.
 fn all_unsupported_reason<C: TestCase>(
     suite: &Suite<C>,
-    observations: &[Option<Observation<C>>],
+    observations: &[Option<ObservationOf<C>>],
 ) -> Option<String> {
     let cases = suite.cases.iter().zip(observations);
     let legal = cases.filter(|(case, _)| case.expect() == Expect::Decode);
     let mut asked = legal.filter_map(|(_, seen)| seen.as_ref()).peekable();
-    let unsupported = |seen: &Observation<C>| matches!(seen.response, Response::Unsupported);
+    let unsupported = |seen: &ObservationOf<C>| matches!(seen.response, Response::Unsupported);
     (asked.peek().is_some() && asked.all(unsupported))
         .then(|| "it exits with 69 (unsupported) on every legal file".to_owned())
 }
@@ -378,7 +335,7 @@ impl<C: TestCase> Run<C> {
         if self.not_a_decoder.is_some() {
             return 3;
         }
-        let is_image = |seen: &Observation<C>| matches!(seen.response, Response::Image { .. });
+        let is_image = |seen: &ObservationOf<C>| matches!(seen.response, Response::Image { .. });
         u8::from(
             failed
                 || self.ended_early.is_some()

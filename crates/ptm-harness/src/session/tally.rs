@@ -4,9 +4,10 @@ use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
 use std::sync::{Mutex, OnceLock};
 
-use crate::session::remark::Remark;
-use ptm_suite::protocol::frame::TimeLimit;
-use ptm_suite::protocol::request::AttemptKind;
+use crate::session::{plan::RunPlan, remark::Remark};
+use ptm_suite::protocol::frame::{Answer, TimeLimit};
+use ptm_suite::protocol::request::{AttemptKind, Reply};
+use ptm_suite::verdicts::observation::{Observation, Response};
 
 /// Number of consecutive legal files that exceed the time limit before one of them is requested alone.
 const MAX_CONSECUTIVE: usize = 3;
@@ -29,10 +30,46 @@ pub(super) struct Tally {
 }
 
 impl Tally {
-    /// Records a file that was answered when it was requested alone.
-    pub fn record_slow_file(&self, name: &str) {
-        let mut files = self.slow_files.lock().expect("no worker panics");
-        files.insert(name.to_owned());
+    /// Counts a request.
+    pub fn count<T>(&self, reply: &Reply<T>, attempt: AttemptKind) {
+        self.calls.fetch_add(1, Relaxed);
+        if reply.is_violation() {
+            self.violations.fetch_add(1, Relaxed);
+        }
+        if let (AttemptKind::Usual, Answer::TimedOut(limit)) = (attempt, &reply.answer) {
+            let _ = self.usual_limit.set(*limit);
+        }
+    }
+
+    /// Counts the answer to a request that had exceeded the time limit and was repeated alone. It replaces the first answer.
+    pub fn count_alone<T>(&self, reply: &Reply<T>, name: &str) {
+        if !reply.is_violation() {
+            self.violations.fetch_sub(1, Relaxed);
+        }
+        if !reply.is_timeout() {
+            let mut files = self.slow_files.lock().expect("no worker panics");
+            files.insert(name.to_owned());
+        }
+    }
+
+    /// Removes a request from the counts.
+    pub fn uncount<V, T, D>(&self, observation: &Observation<V, T, D>) {
+        // True if the call ended in neither a frame nor a refusal, or a serving process did not answer.
+        let is_violation = matches!(observation.response, Response::Violation(_))
+            || observation.nondeterminism.is_some();
+        self.calls.fetch_sub(1, Relaxed);
+        self.violations.fetch_sub(is_violation.into(), Relaxed);
+    }
+
+    /// Returns the reason why no more requests will be sent, if there is one.
+    pub fn end_reason(&self, plan: &RunPlan) -> Option<String> {
+        if plan.is_interrupted() {
+            return Some("the run was interrupted".to_owned());
+        }
+        let limit = self.exceeded_limit.get()?;
+        Some(format!(
+            "the run ended early: the decoder {limit} on three legal files in a row"
+        ))
     }
 
     /// Returns the remarks on requests that exceeded the usual time limit. `open` requests were not repeated.

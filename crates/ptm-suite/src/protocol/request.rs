@@ -100,6 +100,18 @@ impl<T> From<Answer<T>> for Reply<T> {
 }
 
 impl<T> Reply<T> {
+    /// Returns true if the request exceeded its time limit.
+    #[must_use]
+    pub const fn is_timeout(&self) -> bool {
+        matches!(self.answer, Answer::TimedOut(_))
+    }
+
+    /// Returns true if the call ended in neither an output nor a refusal, or if a serving process did not answer.
+    #[must_use]
+    pub fn is_violation(&self) -> bool {
+        self.answer.violation().is_some() || self.serve_mode_answer.is_some()
+    }
+
     /// Returns true if the reply is a refusal with an exit status that has other meanings as well.
     #[must_use]
     pub fn is_ambiguous_refusal(&self) -> bool {

@@ -6,7 +6,7 @@ use std::collections::HashMap;
 use crate::cases::{Suite, TableSpelling};
 use crate::dialect::{Axis, Choices, Dialect, RightDialects};
 use crate::test_case::TestCase;
-use crate::verdicts::observation::{Observation, Response};
+use crate::verdicts::observation::{ObservationOf, Response};
 
 /// The certainty of the decoder's reading of an open question.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,14 +27,14 @@ const MIN_RIGHT_PER_WRONG: usize = 8;
 /// and then remembered.
 pub struct DependentAnswers<'a, C: TestCase> {
     pub(super) suite: &'a Suite<C>,
-    observations: &'a [Option<Observation<C>>],
+    observations: &'a [Option<ObservationOf<C>>],
     files: RefCell<HashMap<usize, C::Built>>,
     known: RefCell<HashMap<(usize, usize), bool>>,
 }
 
 impl<'a, C: TestCase> DependentAnswers<'a, C> {
     /// Creates the answers of a run. `observations` has a slot for each case of the suite.
-    pub fn new(suite: &'a Suite<C>, observations: &'a [Option<Observation<C>>]) -> Self {
+    pub fn new(suite: &'a Suite<C>, observations: &'a [Option<ObservationOf<C>>]) -> Self {
         DependentAnswers {
             suite,
             observations,
@@ -99,7 +99,7 @@ impl<'a, C: TestCase> DependentAnswers<'a, C> {
     /// Returns the cases whose images depend on the dialect, with the choices that affect them. Nondeterministic responses are
     /// left out.
     fn dependent(&self) -> Vec<DependentAnswer<'a>> {
-        let dependent = |(case, seen): (usize, &'a Option<Observation<C>>)| {
+        let dependent = |(case, seen): (usize, &'a Option<ObservationOf<C>>)| {
             let seen = seen.as_ref().filter(|seen| seen.nondeterminism.is_none())?;
             match &seen.response {
                 Response::Image {

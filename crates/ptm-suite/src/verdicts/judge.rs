@@ -10,7 +10,7 @@ use crate::features::Feature;
 use crate::protocol::frame::{Answer, ViewKind};
 use crate::test_case::TestCase;
 use crate::verdicts::dialect::{Certainty, DependentAnswers, dialect_of};
-use crate::verdicts::observation::{Observation, Response};
+use crate::verdicts::observation::{Observation, ObservationOf, Response};
 use crate::verdicts::offer::Offer;
 use crate::verdicts::outcome::{Outcome, ResponseKind, Verdict, outcome};
 
@@ -43,7 +43,7 @@ impl<F> Judgment<F> {
 pub fn judge<C: TestCase>(
     suite: &Suite<C>,
     selected: &[bool],
-    observations: &[Option<Observation<C>>],
+    observations: &[Option<ObservationOf<C>>],
     offer: &Offer<C>,
 ) -> Judgment<C::Feature> {
     let answers = DependentAnswers::new(suite, observations);
@@ -124,7 +124,7 @@ struct CaseFacts<'a, C: TestCase> {
     /// Index of the case in the suite.
     index: usize,
     case: &'a C,
-    observation: &'a Observation<C>,
+    observation: &'a ObservationOf<C>,
     /// Indices of the valid twins of the case.
     twins: &'a [usize],
     answers: &'a DependentAnswers<'a, C>,
@@ -267,7 +267,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
 /// most were answered with 69. The others may have been refused because of a different mistake, for example in the header.
 fn features<C: TestCase>(
     suite: &Suite<C>,
-    observations: &[Option<Observation<C>>],
+    observations: &[Option<ObservationOf<C>>],
     offer: &Offer<C>,
 ) -> (BTreeSet<C::Feature>, BTreeSet<C::Feature>) {
     // For each feature, the number of files and the number answered with 69.

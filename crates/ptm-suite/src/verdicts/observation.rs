@@ -2,20 +2,24 @@
 
 use std::fmt::Display;
 
-use crate::cases::{Case, Expect};
+use crate::cases::Expect;
 use crate::compare::Difference;
 use crate::dialect::RightDialects;
-use crate::protocol::frame::{Answer, Frame, TimeLimit};
+use crate::protocol::frame::{Answer, Frame, TimeLimit, View};
 use crate::protocol::request::AttemptKind;
 use crate::test_case::{Allowance, Output, TestCase};
 
-/// The result of one request.
+/// The result of a request for a case.
+pub type ObservationOf<C> =
+    Observation<<C as TestCase>::View, <C as TestCase>::Output, <C as TestCase>::Difference>;
+
+/// The result of one request. `V` is the type of views, `T` that of outputs, and `D` that of their differences.
 #[derive(Clone, Debug)]
-pub struct Observation<C: TestCase = Case> {
+pub struct Observation<V = View, T = Frame, D = Difference> {
     /// The requested view.
-    pub view: C::View,
+    pub view: V,
     /// The response of the decoder.
-    pub response: ResponseTo<C>,
+    pub response: Response<T, D>,
     /// True for a refusal whose exit status may also mean something else.
     pub weak: bool,
     /// Beginning of standard error.
@@ -28,14 +32,14 @@ pub struct Observation<C: TestCase = Case> {
     pub nondeterminism: Option<Nondeterminism>,
 }
 
-impl<C: TestCase> Observation<C> {
-    /// Creates the observation of an answer that needed no process.
-    pub fn of_answer(
+impl<V: Clone, T: Clone, D> Observation<V, T, D> {
+    /// Creates the observation of an answer that needed no process. `built` is the file that was sent.
+    pub fn of_answer<C: TestCase<View = V, Output = T, Difference = D>>(
         case: &C,
         built: &C::Built,
-        view: &C::View,
-        answer: &Answer<C::Output>,
-    ) -> Observation<C> {
+        view: &V,
+        answer: &Answer<T>,
+    ) -> Observation<V, T, D> {
         Observation {
             view: view.clone(),
             response: Response::new(case, built, view, answer),
@@ -46,11 +50,22 @@ impl<C: TestCase> Observation<C> {
             nondeterminism: None,
         }
     }
+}
 
+impl<V, T, D> Observation<V, T, D> {
     /// Returns true if the request exceeded the usual time limit, and nothing is known about a higher one.
     #[must_use]
     pub fn is_open(&self) -> bool {
         self.attempt != AttemptKind::Alone && self.response.time_limit().is_some()
+    }
+
+    /// Returns true if a repetition would not change the verdict. A request that exceeded the time limit has been repeated already,
+    /// and would probably exceed it again. If two responses already differ, the case is decided.
+    #[must_use]
+    pub fn is_settled(&self) -> bool {
+        self.nondeterminism.is_some()
+            || self.attempt == AttemptKind::Alone
+            || self.response.time_limit().is_some()
     }
 }
 
@@ -62,9 +77,6 @@ pub struct Nondeterminism {
     /// Description of the difference.
     pub message: String,
 }
-
-/// A response to a request for a case.
-pub type ResponseTo<C> = Response<<C as TestCase>::Output, <C as TestCase>::Difference>;
 
 /// An answer, compared with the expected one. `T` is the type of outputs, and `D` that of their differences.
 #[derive(Clone, Debug)]
@@ -88,7 +100,7 @@ pub enum Response<T = Frame, D = Difference> {
     Violation(Answer<T>),
 }
 
-impl<T: Output, D: Display> Response<T, D> {
+impl<T: Clone, D> Response<T, D> {
     /// Compares an answer with the expected one. `built` is the file that was sent.
     pub fn new<C: TestCase<Output = T, Difference = D>>(
         case: &C,
@@ -113,41 +125,15 @@ impl<T: Output, D: Display> Response<T, D> {
             _ => Response::Violation(answer.clone()),
         }
     }
+}
 
+impl<T, D> Response<T, D> {
     /// Returns the time limit that the request exceeded, if it did.
     #[must_use]
     pub const fn time_limit(&self) -> Option<TimeLimit> {
         match self {
             Response::Violation(Answer::TimedOut(limit)) => Some(*limit),
             _ => None,
-        }
-    }
-
-    /// Returns true if both responses agree in everything that the decoder controls.
-    #[must_use]
-    pub fn is_equivalent(&self, other: &Response<T, D>) -> bool {
-        match (self, other) {
-            (Response::Image { right: a, .. }, Response::Image { right: b, .. }) if a != b => false,
-            (Response::Image { frame: a, .. }, Response::Image { frame: b, .. }) => match (a, b) {
-                (Some(a), Some(b)) => a.is_equivalent(b),
-                (a, b) => a.is_none() && b.is_none(),
-            },
-            (Response::Violation(a), Response::Violation(b)) => a.is_same_kind_as(b),
-            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
-        }
-    }
-
-    /// Returns true if a case with this expected result fails regardless of other observations.
-    #[must_use]
-    pub fn is_certain_failure(&self, expect: Expect) -> bool {
-        match (self, expect) {
-            (Response::Image { right, .. }, Expect::Decode) => {
-                *right == RightDialects::Regardless(false)
-            }
-            (Response::Violation(_), _)
-            | (Response::Rejected, Expect::Decode)
-            | (Response::Image { .. }, Expect::Reject | Expect::Refuse) => true,
-            _ => false,
         }
     }
 
@@ -165,24 +151,25 @@ impl<T: Output, D: Display> Response<T, D> {
         )
     }
 
+    /// Returns true if a case with this expected result fails regardless of other observations.
+    #[must_use]
+    pub fn is_certain_failure(&self, expect: Expect) -> bool {
+        match (self, expect) {
+            (Response::Image { right, .. }, Expect::Decode) => {
+                *right == RightDialects::Regardless(false)
+            }
+            (Response::Violation(_), _)
+            | (Response::Rejected, Expect::Decode)
+            | (Response::Image { .. }, Expect::Reject | Expect::Refuse) => true,
+            _ => false,
+        }
+    }
+
     /// Returns the image if it differs from the reference's.
     pub const fn wrong_image(&self) -> Option<&T> {
         match self {
             Response::Image { frame, .. } => frame.as_ref(),
             _ => None,
-        }
-    }
-
-    /// Describes the response.
-    pub fn describe(&self) -> String {
-        match self {
-            Response::Image { difference, .. } => match difference {
-                Some(difference) => format!("a wrong image ({difference})"),
-                None => "an image".to_owned(),
-            },
-            Response::Rejected => "a refusal".to_owned(),
-            Response::Unsupported => "\"unsupported\"".to_owned(),
-            Response::Violation(answer) => answer.describe(),
         }
     }
 
@@ -194,6 +181,37 @@ impl<T: Output, D: Display> Response<T, D> {
             Response::Rejected => "rejected",
             Response::Unsupported => "unsupported",
             Response::Violation(answer) => answer.name(),
+        }
+    }
+}
+
+impl<T: Output, D> Response<T, D> {
+    /// Returns true if both responses agree in everything that the decoder controls.
+    #[must_use]
+    pub fn is_equivalent(&self, other: &Response<T, D>) -> bool {
+        match (self, other) {
+            (Response::Image { right: a, .. }, Response::Image { right: b, .. }) if a != b => false,
+            (Response::Image { frame: a, .. }, Response::Image { frame: b, .. }) => match (a, b) {
+                (Some(a), Some(b)) => a.is_equivalent(b),
+                (a, b) => a.is_none() && b.is_none(),
+            },
+            (Response::Violation(a), Response::Violation(b)) => a.is_same_kind_as(b),
+            _ => std::mem::discriminant(self) == std::mem::discriminant(other),
+        }
+    }
+}
+
+impl<T, D: Display> Response<T, D> {
+    /// Describes the response.
+    pub fn describe(&self) -> String {
+        match self {
+            Response::Image { difference, .. } => match difference {
+                Some(difference) => format!("a wrong image ({difference})"),
+                None => "an image".to_owned(),
+            },
+            Response::Rejected => "a refusal".to_owned(),
+            Response::Unsupported => "\"unsupported\"".to_owned(),
+            Response::Violation(answer) => answer.describe(),
         }
     }
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use crate::cases::{Case, Expect};
 use crate::test_case::TestCase;
-use crate::verdicts::observation::{Observation, Response};
+use crate::verdicts::observation::{ObservationOf, Response};
 
 /// The views and kinds of cases that a decoder offers.
 #[derive(Clone, Debug)]
@@ -50,7 +50,7 @@ impl<C: TestCase> Offer<C> {
     pub fn is_broken_by(
         &self,
         case: &C,
-        observation: &Observation<C>,
+        observation: &ObservationOf<C>,
         unsupported: &BTreeSet<C::Feature>,
     ) -> bool {
         matches!(observation.response, Response::Unsupported)
