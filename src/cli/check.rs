@@ -16,6 +16,7 @@ use super::{CommandResult, own_files};
 use crate::report::html::{self, Evidence};
 use ptm_harness::pipeline::explain::find_misreadings;
 use ptm_harness::pipeline::subject::{OneShot, Program, RunningProgram, Subject};
+use ptm_harness::pipeline::texture::TextureCheck;
 use ptm_harness::pipeline::{self, Check, Checked};
 use ptm_harness::report::shards::Circumstances;
 use ptm_harness::runner::{processes, serve::Servers};
@@ -24,7 +25,7 @@ use ptm_harness::session::probe::ProbeStep;
 use ptm_harness::session::texture_stage;
 use ptm_harness::strength::smoke;
 use ptm_suite::protocol::request::Request;
-use ptm_suite::{cases::Suite, texture::test_case::TextureView};
+use ptm_suite::{cases::Suite, texture::cases::TextureView};
 
 /// Runs a suite.
 pub fn run(args: &CheckArgs) -> CommandResult {
@@ -170,13 +171,14 @@ fn check_stage(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         stop: Arc::clone(stop),
         ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?)
     };
-    let mut check = Check {
-        circumstances: Circumstances {
-            command: words,
-            limits: args.limits(false),
-            ..Circumstances::default()
-        },
-        ..Check::new(&suite, &plan)
+    let circumstances = Circumstances {
+        command: words,
+        limits: args.limits(false),
+        ..Circumstances::default()
+    };
+    let mut check = TextureCheck {
+        circumstances,
+        ..TextureCheck::new(&suite, &plan)
     };
     let stage = OneShot {
         program: &decoder,
@@ -187,7 +189,7 @@ fn check_stage(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     let writer = ReportWriter::new(&suite, &args.run.report, &args.output)?;
     check.recorder = args.recorder()?;
     let display = Display::new(writer, None)?;
-    let Checked { run, report, .. } = pipeline::check(&check, &stage, &display)?;
+    let (run, report) = pipeline::texture::check(&check, &stage, &display)?;
     let evidence = Evidence::new(&suite, &run, html::question_evidence);
     Ok(display.finish(&run, report, &evidence)?)
 }

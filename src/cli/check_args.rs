@@ -15,7 +15,7 @@ use ptm_harness::runner::processes;
 use ptm_harness::session::plan::SAMPLE_INTERVAL;
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::ViewKind;
-use ptm_suite::test_case::{Output, TestCase};
+use ptm_suite::test_case::{Listed, Output};
 
 // Comments on the variants would appear in the help text.
 /// A suite for decoders.
@@ -131,7 +131,7 @@ impl CheckArgs {
 
     /// Returns one flag per case: true if the case is in the subset, matches the patterns and the clauses, and belongs to the
     /// shard. Returns an error if no case is selected.
-    pub fn select_cases<C: TestCase>(
+    pub fn select_cases<C: Listed>(
         &self,
         suite: &Suite<C>,
         is_in_subset: impl Fn(usize) -> bool,
@@ -154,7 +154,7 @@ impl CheckArgs {
         if selected.contains(&true) {
             return Ok(selected);
         }
-        let ids = || suite.cases.iter().map(TestCase::id);
+        let ids = || suite.cases.iter().map(Listed::id);
         let meant = self.cases.iter().map(|name| did_you_mean(name, ids()));
         let says = format!(
             "no case matches --case, --clause and --shard{}; ptm-conform explain 2.5 lists the clauses and cases of section 2.5",

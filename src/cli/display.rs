@@ -14,7 +14,6 @@ use crate::report::text::first_causes_to_text;
 use ptm_harness::pipeline::{Agenda, FinishedCase, FirstCauses, FoundCauses, Observer, Stage};
 use ptm_harness::report::document::Report;
 use ptm_harness::session::run::Run;
-use ptm_suite::test_case::TestCase;
 
 /// Minimum estimated duration of a run. Shorter estimates are not announced.
 const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
@@ -48,9 +47,9 @@ impl<'a> Display<'a> {
     }
 
     /// Ends the display, and writes and prints the report in all requested formats. Returns the exit status.
-    pub fn finish<C: TestCase>(
+    pub fn finish<V, T, D, F: Ord>(
         self,
-        run: &Run<C>,
+        run: &Run<V, T, D, F>,
         report: Report,
         evidence: &Evidence,
     ) -> Result<u8, String> {

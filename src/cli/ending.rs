@@ -14,7 +14,7 @@ use crate::report::{github, junit, text};
 use ptm_harness::report::suite_texts::SuiteTexts;
 use ptm_harness::report::{Report, baseline::Baseline, document::BaselineComparison};
 use ptm_harness::session::run::Run;
-use ptm_suite::{cases::Suite, test_case::TestCase};
+use ptm_suite::{cases::Suite, test_case::Listed};
 
 /// Options for other output formats and for lists of known failures.
 #[derive(Args)]
@@ -82,7 +82,7 @@ pub struct ReportWriter<'a> {
 
 impl<'a> ReportWriter<'a> {
     /// Creates a writer and reads the baseline, if one is given.
-    pub fn new<C: TestCase>(
+    pub fn new<C: Listed>(
         suite: &Suite<C>,
         path: &'a Path,
         args: &'a OutputArgs,
@@ -110,9 +110,9 @@ impl<'a> ReportWriter<'a> {
     }
 
     /// Writes and prints the report on `run` in all requested formats. Returns the exit status.
-    pub fn finish<C: TestCase>(
+    pub fn finish<V, T, D, F: Ord>(
         &self,
-        run: &Run<C>,
+        run: &Run<V, T, D, F>,
         mut report: Report,
         evidence: &Evidence,
     ) -> Result<u8, String> {

@@ -29,7 +29,7 @@ use ptm_suite::kit::digest::sha256;
 use ptm_suite::texture::cases as texture;
 #[cfg(unix)]
 use ptm_suite::verdicts::outcome::Outcome;
-use ptm_suite::{name::SuiteName, test_case::TestCase};
+use ptm_suite::{name::SuiteName, test_case::Listed};
 
 /// Explain a case, a clause, a ruling, a misreading, a lint code or a public reader.
 #[derive(Args)]
@@ -218,7 +218,7 @@ fn explain_format(suite: &Suite, format: Format) -> String {
 }
 
 /// Describes the clauses that equal `id` or are contained in it, and the ruling with this id.
-fn explain_rules<C: TestCase>(
+fn explain_rules<C: Listed>(
     suite: &Suite<C>,
     pages: SuiteName,
     clauses: &[Clause],
@@ -240,7 +240,7 @@ fn explain_rules<C: TestCase>(
         text.extend(clause.why.iter().map(|why| format!(" Not tested: {why}.")));
         let about = suite.cases.iter();
         let about = about.filter(|case| case.clauses().contains(&clause.id));
-        let ids: Vec<&str> = about.map(TestCase::id).collect();
+        let ids: Vec<&str> = about.map(Listed::id).collect();
         let _ = match is_ptm {
             true => writeln!(text, "\n  {}", abbreviate_ids(&ids, "cases")),
             false => writeln!(text, "\n  cases: {}", ids.join(", ")),

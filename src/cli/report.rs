@@ -5,7 +5,6 @@ use ptm_writers::fitting::cases::load_fitter_requests;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use maud::Markup;
 
 use super::arguments::id_filter;
 use super::ending::{OutputArgs, ReportWriter};
@@ -13,12 +12,11 @@ use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 use crate::report::html::{self, Evidence};
 use crate::report::{badge, github, junit, text};
 use ptm_harness::pipeline::merge::RecordedAnswers;
-use ptm_harness::pipeline::{Checked, Explain, FinishedCase, Observer};
+use ptm_harness::pipeline::{Checked, FinishedCase, Observer};
 use ptm_harness::report::{Report, suite_texts::SuiteTexts};
-use ptm_suite::cases::{Suite, TableSpelling};
+use ptm_suite::cases::Suite;
 use ptm_suite::kit::escape_controls;
 use ptm_suite::name::SuiteName;
-use ptm_suite::verdicts::observation::ObservationOf;
 
 /// Show, compare, merge and convert reports of check.
 #[derive(Args)]
@@ -135,10 +133,8 @@ pub fn run(args: &ReportArgs) -> CommandResult {
         ReportCommand::Merge(args) => {
             // All parts of a run have the same suite, so the first part determines it.
             return match Report::read(&args.parts[0]).map(|report| report.suite) {
-                Ok(SuiteName::Texture) => {
-                    merge(args, &Suite::load_texture()?, html::question_evidence)
-                }
-                _ => merge(args, &Suite::load()?, html::case_evidence),
+                Ok(SuiteName::Texture) => merge_texture(args),
+                _ => merge(args),
             };
         }
         ReportCommand::Diff { old, new, cases } => {
@@ -189,19 +185,29 @@ fn convert(command: &ReportCommand, reports: &[Report], texts: &SuiteTexts) -> C
     }
 }
 
-/// Merges the parts of a run. `render` renders the evidence for a case.
-fn merge<C: Explain>(
-    args: &MergeArgs,
-    suite: &Suite<C>,
-    render: fn(&C, TableSpelling, &ObservationOf<C>) -> Markup,
-) -> CommandResult {
-    let writer = ReportWriter::new(suite, &args.report, &args.outputs)?;
-    let answers = RecordedAnswers::read(suite, &args.parts)?;
+/// Merges the parts of a run.
+fn merge(args: &MergeArgs) -> CommandResult {
+    let suite = Suite::load()?;
+    let writer = ReportWriter::new(&suite, &args.report, &args.outputs)?;
+    let answers = RecordedAnswers::read(&suite, &args.parts)?;
     let jobs = super::output::jobs(None)?;
     let Checked { run, report, .. } = super::output::with_progress(|progress| {
-        answers.merge(suite, jobs, &MergeProgress(progress))
+        answers.merge(&suite, jobs, &MergeProgress(progress))
     })?;
-    let evidence = Evidence::new(suite, &run, render);
+    let evidence = Evidence::new(&suite, &run, html::case_evidence);
+    Ok(writer.finish(&run, report, &evidence)?)
+}
+
+/// Merges the parts of a run of a texture stage.
+fn merge_texture(args: &MergeArgs) -> CommandResult {
+    let suite = Suite::load_texture()?;
+    let writer = ReportWriter::new(&suite, &args.report, &args.outputs)?;
+    let answers = RecordedAnswers::read(&suite, &args.parts)?;
+    let jobs = super::output::jobs(None)?;
+    let (run, report) = super::output::with_progress(|progress| {
+        answers.merge_texture(&suite, jobs, &MergeProgress(progress))
+    })?;
+    let evidence = Evidence::new(&suite, &run, html::question_evidence);
     Ok(writer.finish(&run, report, &evidence)?)
 }
 

@@ -75,6 +75,13 @@ impl<R> Deref for Choices<R> {
 }
 
 impl<R> Choices<R> {
+    /// Returns each ruling, with the reading of the reference.
+    #[must_use]
+    pub fn reference_readings(&self) -> Vec<(&'static str, &'static str)> {
+        let choices = self.iter();
+        choices.map(|one| (one.ruling, one.readings[0].0)).collect()
+    }
+
     /// Returns the dialect of the reference.
     #[must_use]
     pub fn reference(&self) -> Dialect {

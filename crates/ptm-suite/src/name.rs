@@ -2,10 +2,6 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::clauses::{self, Clause, Ruling};
-use crate::error::Result;
-use crate::texture;
-
 /// The name of a suite.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
@@ -40,28 +36,6 @@ impl SuiteName {
             SuiteName::Texture => "Conformance with the texture mapping table of PEXlib",
             SuiteName::Writers => "Conformance of PTM 1.2 files written by a program",
             SuiteName::Fitters => "How well PTM 1.2 files fit the images they were made from",
-        }
-    }
-
-    /// Returns the clauses that the suite tests.
-    ///
-    /// # Errors
-    /// Returns a message that names the file and the error.
-    pub fn clauses(self) -> Result<Vec<Clause>> {
-        match self {
-            SuiteName::Texture => texture::cases::clauses(),
-            SuiteName::Ptm | SuiteName::Writers | SuiteName::Fitters => clauses::clauses(),
-        }
-    }
-
-    /// Returns the rulings on open questions of the specification.
-    ///
-    /// # Errors
-    /// Returns a message that names the file and the error.
-    pub fn rulings(self) -> Result<Vec<Ruling>> {
-        match self {
-            SuiteName::Texture => texture::cases::rulings(),
-            SuiteName::Ptm | SuiteName::Writers | SuiteName::Fitters => clauses::rulings(),
         }
     }
 

@@ -10,7 +10,7 @@ use crate::dialect::{Choices, Dialect, RightDialects};
 use crate::features::Feature;
 use crate::name::SuiteName;
 use crate::protocol::frame::{Frame, View, ViewKind};
-use crate::test_case::{Allowance, Comparison, Output, TestCase};
+use crate::test_case::{Allowance, Comparison, Listed, Output, TestCase};
 use crate::values::Values;
 use ptm::Format;
 use ptm::reading::Reading;
@@ -22,17 +22,8 @@ impl Output for Frame {
     }
 }
 
-impl TestCase for Case {
-    type View = View;
-    type Output = Frame;
-    type Difference = Difference;
-    type Feature = Feature;
-    type Built = Arc<Built>;
-    type Decisions = Reading;
-
+impl Listed for Case {
     const SUITE: SuiteName = SuiteName::Ptm;
-    const VIEWS: &'static [&'static str] = &ViewKind::NAMES;
-    const CHOICES: Choices<Reading> = CHOICES;
 
     /// Returns the recorded digest of all files. Generating the files would take longer than most runs of single cases.
     fn digest(_: &Suite) -> String {
@@ -51,16 +42,32 @@ impl TestCase for Case {
         self.because.clone()
     }
 
+    fn expectation_name(&self) -> &'static str {
+        self.expect.name()
+    }
+
+    fn reference_readings() -> Vec<(&'static str, &'static str)> {
+        CHOICES.reference_readings()
+    }
+}
+
+impl TestCase for Case {
+    type View = View;
+    type Output = Frame;
+    type Difference = Difference;
+    type Feature = Feature;
+    type Built = Arc<Built>;
+    type Decisions = Reading;
+
+    const VIEWS: &'static [&'static str] = &ViewKind::NAMES;
+    const CHOICES: Choices<Reading> = CHOICES;
+
     fn ruling(&self) -> Option<&str> {
         self.ruling.as_deref()
     }
 
     fn expect(&self) -> Expect {
         self.expect
-    }
-
-    fn expectation_name(&self) -> &'static str {
-        self.expect.name()
     }
 
     fn is_first(&self) -> bool {

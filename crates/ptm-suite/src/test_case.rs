@@ -1,7 +1,7 @@
-//! The interface between a run and the cases of any suite.
+//! The interface between a run and the cases of a suite.
 //!
-//! Session, judge, matrix and report are written once, for every [`TestCase`]. A suite supplies its requests, the comparison of
-//! an answer with the expected one, and its open questions.
+//! Session and judge are written once, for every [`TestCase`]. A suite supplies its requests, the comparison of an answer with the
+//! expected one, and its open questions. Texture questions have a loop of their own, and are only [`Listed`].
 
 use std::collections::BTreeSet;
 use std::fmt::{Debug, Display};
@@ -14,8 +14,30 @@ use crate::compare::FlatBlocks;
 use crate::dialect::{Choices, Dialect, RightDialects};
 use crate::name::SuiteName;
 
-/// A case of any suite.
-pub trait TestCase: Clone + Debug + Send + Sync + 'static {
+/// A case of any suite, as commands and reports list it.
+pub trait Listed: Sized {
+    /// Name of the suite.
+    const SUITE: SuiteName;
+
+    /// Returns the permanent id.
+    fn id(&self) -> &str;
+    /// Returns the tested clauses, the most relevant first.
+    fn clauses(&self) -> &[String];
+    /// Returns the purpose of the case, in a sentence.
+    fn because(&self) -> String;
+    /// Returns the name that reports use for the expected result.
+    fn expectation_name(&self) -> &'static str;
+    /// Returns a digest of all requests and expected results, in order.
+    fn digest(suite: &Suite<Self>) -> String;
+    /// Returns each ruling that allows several readings, with the reading of the reference.
+    #[must_use]
+    fn reference_readings() -> Vec<(&'static str, &'static str)> {
+        Vec::new()
+    }
+}
+
+/// A case of a suite of files or of requests for files.
+pub trait TestCase: Listed + Clone + Debug + Send + Sync + 'static {
     /// A view in which a case is requested.
     type View: Clone + Debug + Display + PartialEq + Send + Sync;
     /// Output of the program under test: a frame, or a file.
@@ -29,8 +51,6 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     /// Decisions that depend on how open questions are read.
     type Decisions: 'static;
 
-    /// Name of the suite.
-    const SUITE: SuiteName;
     /// Names of all views, in order of preference.
     const VIEWS: &'static [&'static str];
     /// The open questions.
@@ -41,22 +61,12 @@ pub trait TestCase: Clone + Debug + Send + Sync + 'static {
     const UNSUPPORTED_MESSAGE: &'static str =
         "exited with 69 (unsupported), but decodes other files of this kind";
 
-    /// Returns a digest of all requests and expected results, in order.
-    fn digest(suite: &Suite<Self>) -> String;
-    /// Returns the permanent id.
-    fn id(&self) -> &str;
-    /// Returns the tested clauses, the most relevant first.
-    fn clauses(&self) -> &[String];
-    /// Returns the purpose of the case, in a sentence.
-    fn because(&self) -> String;
     /// Returns the ruling that the case tests, if any.
     fn ruling(&self) -> Option<&str> {
         None
     }
     /// Returns the expected result.
     fn expect(&self) -> Expect;
-    /// Returns the name that reports use for the expected result.
-    fn expectation_name(&self) -> &'static str;
     /// Returns true if the case is requested in every view before all other cases.
     fn is_first(&self) -> bool;
     /// Returns the views that can decide the case, in order of preference.
@@ -162,6 +172,16 @@ pub enum Allowance {
 }
 
 impl<C: TestCase> Suite<C> {
+    /// Returns the features that a decoder may need for a case, in any of its views.
+    #[must_use]
+    pub fn features(&self, case: usize) -> BTreeSet<C::Feature> {
+        let case = &self.cases[case];
+        let views = case.views().iter();
+        views.flat_map(|view| case.features(view)).collect()
+    }
+}
+
+impl<C: Listed> Suite<C> {
     /// Returns the case with the given id.
     #[must_use]
     pub fn case(&self, id: &str) -> Option<&C> {

@@ -12,7 +12,7 @@ use ptm_files::join_texts;
 use ptm_generate::{Model, Recipe, plan::Residuals, recipe::Indices};
 use ptm_harness::diagnose::Diagnosis;
 use ptm_harness::runner::write::Attachment;
-use ptm_harness::session::run::Run;
+use ptm_harness::session::run::RunOf;
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::kit::yaml::records;
@@ -175,7 +175,7 @@ impl RequestValues for Recipe {
 
     fn diagnose(
         suite: &Suite<WriterCase>,
-        run: &Run<WriterCase>,
+        run: &RunOf<WriterCase>,
         threads: usize,
     ) -> Vec<Diagnosis<&'static Misreading>> {
         diagnose(suite, run, threads)

@@ -15,7 +15,7 @@ use ptm::Format;
 use ptm_generate::Recipe;
 use ptm_harness::diagnose::cover::{CoverCandidate, cover};
 use ptm_harness::diagnose::{Category, Cause, Diagnosis, can_combine};
-use ptm_harness::session::run::Run;
+use ptm_harness::session::run::RunOf;
 use ptm_mistakes::Misreading;
 use ptm_mistakes::writing::{self, WriterMistake};
 use ptm_suite::cases::Suite;
@@ -50,7 +50,7 @@ type Attempts = BTreeMap<usize, Attempt>;
 #[must_use]
 pub fn diagnose(
     suite: &Suite<FileCase<Recipe>>,
-    run: &Run<FileCase<Recipe>>,
+    run: &RunOf<FileCase<Recipe>>,
     threads: usize,
 ) -> Vec<WriterDiagnosis> {
     let mut failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
@@ -84,7 +84,7 @@ pub fn diagnose(
 /// Returns the attempt for a request, or `None` if a file is too large or the reference cannot write it.
 fn attempt(
     suite: &Suite<FileCase<Recipe>>,
-    run: &Run<FileCase<Recipe>>,
+    run: &RunOf<FileCase<Recipe>>,
     index: usize,
 ) -> Option<Attempt> {
     let request = suite.cases[index].request();
@@ -181,7 +181,7 @@ fn mistake_pairs(
 /// Describes the failures that no mistake in the catalog explains, grouped by the clause of the first difference.
 pub(super) fn describe_differences<V: RequestValues>(
     suite: &Suite<FileCase<V>>,
-    run: &Run<FileCase<V>>,
+    run: &RunOf<FileCase<V>>,
     failing: &[usize],
 ) -> Vec<WriterDiagnosis> {
     let mut groups: BTreeMap<&str, Vec<(usize, &WriterFault)>> = BTreeMap::new();

@@ -12,13 +12,13 @@ use ptm::{Format, Size};
 use ptm_harness::diagnose::Diagnosis;
 use ptm_harness::pipeline::{Explain, FoundCauses};
 use ptm_harness::runner::write::Attachment;
-use ptm_harness::session::run::Run;
+use ptm_harness::session::run::RunOf;
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Expect, Suite, TableSpelling};
 use ptm_suite::dialect::{Choices, RightDialects};
 use ptm_suite::kit::digest::sha256;
-use ptm_suite::test_case::{Allowance, Comparison, Output, TestCase};
-use ptm_suite::verdicts::observation::{Observation, ObservationOf, Response};
+use ptm_suite::test_case::{Allowance, Comparison, Listed, Output, TestCase};
+use ptm_suite::verdicts::observation::{Observation, Response};
 use ptm_suite::{features::Feature, name::SuiteName};
 
 /// The only view of a writer: `write`.
@@ -124,12 +124,13 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     /// Returns the causes of the failures of `run`.
     fn diagnose(
         suite: &Suite<FileCase<Self>>,
-        run: &Run<FileCase<Self>>,
+        run: &RunOf<FileCase<Self>>,
         threads: usize,
     ) -> Vec<Diagnosis<&'static Misreading>>;
 }
 
 /// Returns the wrong file in an observation and the fault of this file. Returns `None` if there is no wrong file.
+#[must_use]
 pub fn wrong_file(
     observation: Option<&Observation<WriteView, WrittenFile, WriterFault>>,
 ) -> Option<(&[u8], &WriterFault)> {
@@ -143,20 +144,8 @@ pub fn wrong_file(
     }
 }
 
-impl<V: RequestValues> TestCase for FileCase<V> {
-    type View = WriteView;
-    type Output = WrittenFile;
-    type Difference = WriterFault;
-    type Feature = Feature;
-    type Built = BuiltRequest<V::Request>;
-    type Decisions = ();
-
+impl<V: RequestValues> Listed for FileCase<V> {
     const SUITE: SuiteName = V::SUITE;
-    const VIEWS: &'static [&'static str] = &["write"];
-    const CHOICES: Choices<()> = Choices(&[]);
-    const ACCEPTED_MESSAGE: &'static str = "wrote a file, although no legal file has these values";
-    const UNSUPPORTED_MESSAGE: &'static str =
-        "exited with 69 (unsupported), but writes other files of this kind";
 
     fn digest(suite: &Suite<FileCase<V>>) -> String {
         let digests = suite.cases.iter().map(|case| {
@@ -178,15 +167,30 @@ impl<V: RequestValues> TestCase for FileCase<V> {
         self.because.clone()
     }
 
-    fn expect(&self) -> Expect {
-        self.expect
-    }
-
     fn expectation_name(&self) -> &'static str {
         match self.expect {
             Expect::Refuse => "refuse",
             _ => "write",
         }
+    }
+}
+
+impl<V: RequestValues> TestCase for FileCase<V> {
+    type View = WriteView;
+    type Output = WrittenFile;
+    type Difference = WriterFault;
+    type Feature = Feature;
+    type Built = BuiltRequest<V::Request>;
+    type Decisions = ();
+
+    const VIEWS: &'static [&'static str] = &["write"];
+    const CHOICES: Choices<()> = Choices(&[]);
+    const ACCEPTED_MESSAGE: &'static str = "wrote a file, although no legal file has these values";
+    const UNSUPPORTED_MESSAGE: &'static str =
+        "exited with 69 (unsupported), but writes other files of this kind";
+
+    fn expect(&self) -> Expect {
+        self.expect
     }
 
     fn is_first(&self) -> bool {
@@ -252,7 +256,7 @@ impl<V: RequestValues> TestCase for FileCase<V> {
 impl<V: RequestValues> Explain for FileCase<V> {
     fn find_causes(
         suite: &Suite<FileCase<V>>,
-        run: &Run<FileCase<V>>,
+        run: &RunOf<FileCase<V>>,
         _: &[String],
         jobs: usize,
     ) -> FoundCauses {

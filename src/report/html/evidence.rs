@@ -14,12 +14,13 @@ use ptm::{Shape, channel_name};
 use ptm_harness::diagnose::arithmetic_steps;
 use ptm_harness::session::lit_scene::LitScene;
 use ptm_harness::session::run::Run;
+use ptm_harness::session::texture::TextureObservation;
 use ptm_suite::cases::{Built, Case, Suite, TableSpelling};
 use ptm_suite::compare::{Difference, Expected};
 use ptm_suite::dialect::RightDialects;
 use ptm_suite::origin::{Origin, origin_of_samples, origin_of_scale_and_bias};
 use ptm_suite::protocol::frame::{Frame, View, ViewKind};
-use ptm_suite::test_case::TestCase;
+use ptm_suite::test_case::Listed;
 use ptm_suite::texture::cases::TextureCase;
 use ptm_suite::verdicts::observation::{Observation, ObservationOf, Response};
 
@@ -33,10 +34,10 @@ pub struct Evidence<'a> {
 
 impl<'a> Evidence<'a> {
     /// Creates the evidence of a run. `render` renders the evidence for a case.
-    pub fn new<C: TestCase>(
+    pub fn new<C: Listed, V, T, D, F>(
         suite: &'a Suite<C>,
-        run: &'a Run<C>,
-        render: fn(&C, TableSpelling, &ObservationOf<C>) -> Markup,
+        run: &'a Run<V, T, D, F>,
+        render: fn(&C, TableSpelling, &Observation<V, T, D>) -> Markup,
     ) -> Evidence<'a> {
         let cases = suite.cases.iter().zip(&run.observations);
         let observed: HashMap<&str, _> = cases
@@ -96,7 +97,7 @@ pub fn download(name: &str, file: &[u8]) -> Markup {
 pub fn question_evidence(
     case: &TextureCase,
     _: TableSpelling,
-    observed: &ObservationOf<TextureCase>,
+    observed: &TextureObservation,
 ) -> Markup {
     let received = match &observed.response {
         Response::Image { frame, .. } => frame.as_ref().unwrap_or(&case.expect).to_string(),

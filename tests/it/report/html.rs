@@ -10,7 +10,7 @@ use data_encoding::BASE64;
 use ptm_conform::report::html::{self, Evidence};
 use ptm_conform::report::{badge, github, junit};
 use ptm_harness::diagnose::{Category, diagnose};
-use ptm_harness::pipeline::{Check, check, judge_answers};
+use ptm_harness::pipeline::{self, Check, check, judge_answers};
 use ptm_harness::report::Report;
 use ptm_harness::report::document::Verdict;
 use ptm_harness::report::suite_texts::SuiteTexts;
@@ -20,9 +20,9 @@ use ptm_suite::address::SITE;
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::{Answer, Samples, ViewKind};
 use ptm_suite::protocol::request::{Reply, Request};
-use ptm_suite::test_case::TestCase;
+use ptm_suite::test_case::Listed;
 use ptm_suite::verdicts::outcome::Outcome;
-use ptm_suite::{name::SuiteName, texture::test_case::TextureView, values::Values};
+use ptm_suite::{name::SuiteName, texture::cases::TextureView, values::Values};
 use ptm_texture::Rules;
 
 /// Output of a hostile decoder.
@@ -50,7 +50,7 @@ fn run_upside_down() -> &'static (Suite, Run, Report) {
     &RUN
 }
 
-fn texts<C: TestCase>(suite: &Suite<C>) -> SuiteTexts {
+fn texts<C: Listed>(suite: &Suite<C>) -> SuiteTexts {
     SuiteTexts::new(suite).expect("the texts can be read")
 }
 
@@ -352,8 +352,9 @@ fn page_of_a_texture_stage_contains_the_questions() {
         let case = suite.case(request.name).expect("a case");
         Reply::from(case.answer(&mistake.apply_to(Rules::SPEC)))
     };
-    let run = judge_answers(&suite, &plan, &ask);
-    let report = Report::new(&suite, &run, &["stage".to_owned()], Vec::new());
+    let run = pipeline::texture::judge_answers(&suite, &plan, &ask);
+    let command = ["stage".to_owned()];
+    let report = Report::on_texture_stage(&suite, &run, &command, Vec::new());
     let evidence = Evidence::new(&suite, &run, html::question_evidence);
     let page = html::page(&texts(&suite), &report, &evidence);
     save_page("texture.html", &page);

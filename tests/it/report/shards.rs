@@ -13,7 +13,7 @@ use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_harness::session::remark::Remark;
 use ptm_mistakes::answer;
 use ptm_suite::cases::Suite;
-use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::frame::{Answer, Frame};
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 
 use crate::common::{Workspace, zoo};
@@ -163,7 +163,7 @@ fn incomplete_or_foreign_shards_are_not_merged() {
         run_part(&suite, part, &reference_answer, scratch.path())
     };
     let refusal = |parts: &[PathBuf]| {
-        RecordedAnswers::read(&suite, parts)
+        RecordedAnswers::<Frame>::read(&suite, parts)
             .err()
             .expect("an error")
     };

@@ -155,11 +155,13 @@ fn hostile_reports_are_refused_with_a_line() {
         assert_contains(&output, says);
         assert!(output.len() < 2000, "{output}");
     }
-    let escapes = old.replacen("verdict: pass", "verdict: \"\\e]0;x\\a\"", 1);
-    here.write("escapes.yaml", escapes);
-    let output = here.exits(1, "report diff escapes.yaml old.yaml");
-    assert!(!output.contains('\x1b'), "{output}");
-    assert_contains(&output, "\\u{1b}]0;x");
+    for (status, field) in [(1, "  command: "), (2, "verdict: ")] {
+        let escapes = format!("{field}\"\\e]0;x\\a\" # ");
+        here.write("escapes.yaml", old.replacen(field, &escapes, 1));
+        let output = here.exits(status, "report diff escapes.yaml old.yaml");
+        assert!(!output.contains('\x1b'), "{output}");
+        assert_contains(&output, "\\u{1b}]0;x");
+    }
     here.write("latin.yaml", b"tool: 1\nverdict: \xe4\n");
     assert_contains(
         &here.exits(2, "report show latin.yaml"),

@@ -1,4 +1,4 @@
-//! One pipeline: one function sends requests to a decoder and judges the answers.
+//! One pipeline: one function sends requests to a decoder and judges the answers. Texture questions have a pipeline of their own.
 //!
 //! These tests look at source code only. Requests need a `Session`, whose constructor is looked for, and verdicts need the function
 //! `judge`. A function that sends requests and compares the answers in a new way, without these, is not detected.
@@ -35,10 +35,15 @@ fn files_with(code: &str) -> Vec<String> {
 }
 
 #[test]
-fn only_the_pipeline_sends_requests_and_judges_answers() {
-    assert_eq!(files_with("Session::new("), ["pipeline/mod.rs"]);
-    assert_eq!(files_with(".first_contact("), ["pipeline/mod.rs"]);
-    assert_eq!(files_with(".verdicts("), ["pipeline/mod.rs"]);
+fn only_the_pipelines_send_requests_and_judge_answers() {
+    let [files, texture] = ["pipeline/mod.rs", "pipeline/texture.rs"];
+    assert_eq!(files_with(" Session::new("), [files]);
+    assert_eq!(files_with("TextureSession::new("), [texture]);
+    assert_eq!(files_with(".first_contact("), [files, texture]);
+    assert_eq!(files_with(".verdicts("), [files, texture]);
     // The judge is called with the observations of a session.
-    assert_eq!(files_with("= judge("), ["session/run.rs"]);
+    assert_eq!(
+        files_with("= judge("),
+        ["session/run.rs", "session/texture.rs"]
+    );
 }

@@ -99,7 +99,7 @@ fn assert_passes(suite: &Suite, run: &Run) {
     assert_eq!(ids(suite, run, Outcome::Fail), [""; 0]);
     assert_eq!(ids(suite, run, Outcome::NotRun), [""; 0]);
     assert_eq!((run.exit_status(), &run.ended_early), (0, &None));
-    let scores = run.scores(suite);
+    let scores = run.scores(|i| suite.features(i));
     assert_eq!(scores.robustness.part, scores.robustness.whole);
     let mut observed = run.observations.iter().flatten();
     assert!(observed.all(|seen| seen.nondeterminism.is_none()));

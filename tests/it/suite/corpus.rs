@@ -10,7 +10,7 @@ use ptm_suite::cases::{Case, Expect, TableSpelling};
 use ptm_suite::corpus::{self, ManifestEntry};
 use ptm_suite::damages::damage_kinds;
 use ptm_suite::kit::{digest::sha256, yaml::from_yaml};
-use ptm_suite::test_case::TestCase;
+use ptm_suite::test_case::Listed;
 
 use crate::in_process::suite;
 use crate::repository::tree;

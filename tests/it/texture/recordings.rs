@@ -4,17 +4,15 @@
 
 use std::collections::HashMap;
 
-use ptm_harness::pipeline::judge_answers;
+use ptm_harness::pipeline::texture::judge_answers;
 use ptm_harness::session::plan::{Repeat, RunPlan};
-use ptm_harness::session::run::Run;
-use ptm_suite::cases::{Suite, TableSpelling};
+use ptm_harness::session::texture::TextureRun;
+use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{Reply, Request};
-use ptm_suite::test_case::TestCase;
-use ptm_suite::texture::cases::TextureCase;
+use ptm_suite::texture::cases::{TextureCase, TextureView};
 use ptm_suite::texture::choices::CHOICES;
 use ptm_suite::texture::compare::ExpectedAnswer;
-use ptm_suite::texture::test_case::TextureView;
 use ptm_suite::verdicts::outcome::Outcome;
 use ptm_texture::Rules;
 use serde_json::Value;
@@ -44,7 +42,7 @@ impl Recording {
         let mut answers = HashMap::new();
         for recorded in recording(stage) {
             let case = suite.case(&recorded.case).expect("ids are permanent");
-            let question = case.make(TableSpelling::default());
+            let question = case.to_file();
             assert_eq!(digest(&question), recorded.file, "{}", case.id);
             answers.insert(recorded.case, recorded.answer);
         }
@@ -56,7 +54,7 @@ impl Recording {
     }
 
     /// Judges the answers to all cases that are neither new nor changed.
-    fn replay(&self) -> Run<TextureCase> {
+    fn replay(&self) -> TextureRun {
         let withheld = self.suite.cases.iter().map(|case| match case.id.as_str() {
             id if NEW_CASES.contains(&id) => Some("newer than the recording".to_owned()),
             id if CHANGED_CASES.contains(&id) => Some("expected another answer".to_owned()),
@@ -75,7 +73,7 @@ impl Recording {
         judge_answers(&self.suite, &plan, &ask)
     }
 
-    fn failures(&self, run: &Run<TextureCase>) -> Vec<&str> {
+    fn failures(&self, run: &TextureRun) -> Vec<&str> {
         let failing = run.judgment.with_outcome(Outcome::Fail);
         failing.map(|i| self.suite.cases[i].id.as_str()).collect()
     }
@@ -101,7 +99,7 @@ impl Recording {
 }
 
 /// Returns the reading of a choice that a run shows.
-fn reading(run: &Run<TextureCase>, ruling: &str) -> &'static str {
+fn reading(run: &TextureRun, ruling: &str) -> &'static str {
     let axis = CHOICES.axes(&[ruling])[0];
     CHOICES[axis].readings[run.judgment.dialect.0[axis]].0
 }

@@ -3,20 +3,19 @@
 use std::collections::{BTreeMap, HashMap, HashSet};
 
 use ptm_harness::diagnose::{Cause, texture::diagnose};
-use ptm_harness::pipeline::judge_answers;
+use ptm_harness::pipeline::texture::judge_answers;
 use ptm_harness::session::plan::RunPlan;
-use ptm_harness::session::run::Run;
+use ptm_harness::session::texture::TextureRun;
 use ptm_harness::strength::matrix::texture_matrix;
 use ptm_mistakes::texture as misreadings;
 use ptm_suite::cases::Suite;
 use ptm_suite::clauses::{ClauseStatus, Ruling, RulingKind};
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::Request;
-use ptm_suite::test_case::TestCase;
-use ptm_suite::texture::cases::{self, Basis, TextureCase};
+use ptm_suite::texture::cases::{self, Basis, TextureCase, TextureView};
 use ptm_suite::texture::question::{OPERATIONS, Question, Refusal};
+use ptm_suite::texture::verify::verify;
 use ptm_suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
-use ptm_suite::texture::{test_case::TextureView, verify::verify};
 use ptm_suite::verdicts::outcome::Outcome;
 use ptm_texture::{Boundary, ClampMethod, RenderingControl, Rules};
 use serde_json::Value;
@@ -30,7 +29,7 @@ fn suite() -> Suite<TextureCase> {
 fn run(
     suite: &Suite<TextureCase>,
     ask: impl Fn(&TextureCase) -> Answer<Value> + Sync,
-) -> Run<TextureCase> {
+) -> TextureRun {
     let ask = |request: &Request<'_, TextureView>, _: usize| {
         ask(suite.case(request.name).expect("the case exists")).into()
     };
@@ -39,7 +38,7 @@ fn run(
 
 fn cases_with_outcome(
     suite: &Suite<TextureCase>,
-    run: &Run<TextureCase>,
+    run: &TextureRun,
     wanted: Outcome,
 ) -> Vec<String> {
     let cases = run.judgment.with_outcome(wanted);
@@ -226,7 +225,7 @@ fn depths_of_any_formula_pass() {
 }
 
 /// Runs a stage that always returns the same mode.
-fn run_with_mode(suite: &Suite<TextureCase>, mode: &str) -> Run<TextureCase> {
+fn run_with_mode(suite: &Suite<TextureCase>, mode: &str) -> TextureRun {
     run(suite, |case| match case.op.as_str() {
         "depth" => Answer::Decoded(serde_json::json!({ "depth": 0, "mode": mode })),
         _ => case.answer(&Rules::SPEC),
@@ -346,8 +345,7 @@ fn only_out_of_range_questions_may_be_refused() {
 fn only_whole_steps_can_be_unsupported() {
     let suite = suite();
     let unsupported = |case: &TextureCase| {
-        matches!(case.op.as_str(), "interpolate" | "depth")
-            || case.features(&TextureView).contains("PTM maps")
+        matches!(case.op.as_str(), "interpolate" | "depth") || case.features().contains("PTM maps")
     };
     let consistent = run(&suite, |case| match unsupported(case) {
         true => Answer::Unsupported,

@@ -7,18 +7,18 @@ use serde_json::Value;
 
 use super::cover::{CoverCandidate, cover};
 use super::diagnosis::Diagnosis;
-use crate::session::run::Run;
+use crate::session::texture::TextureRun;
 use ptm_mistakes::texture::{Change, all};
 use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::texture::cases::TextureCase;
 use ptm_suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
 use ptm_suite::verdicts::{observation::Response, outcome::Outcome};
-use ptm_suite::{test_case::TestCase, texture::cases::TextureCase};
 use ptm_texture::Rules;
 
 /// Returns a small set of misreadings that explains the failures of `run`. The one that explains the most failures is first.
 #[must_use]
-pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagnosis<Change>> {
+pub fn diagnose(suite: &Suite<TextureCase>, run: &TextureRun) -> Vec<Diagnosis<Change>> {
     let mut failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
     let passing: Vec<usize> = run.judgment.with_outcome(Outcome::Pass).collect();
     let inferred = CHOICES.apply(&run.judgment.dialect, Rules::SPEC);
@@ -34,7 +34,7 @@ pub fn diagnose(suite: &Suite<TextureCase>, run: &Run<TextureCase>) -> Vec<Diagn
 }
 
 /// Returns true if a stage with these rules returns the received answer.
-fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules) -> bool {
+fn explains(run: &TextureRun, i: usize, case: &TextureCase, rules: &Rules) -> bool {
     let Some(observation) = &run.observations[i] else {
         return false;
     };
@@ -46,7 +46,7 @@ fn explains(run: &Run<TextureCase>, i: usize, case: &TextureCase, rules: &Rules)
                 answer: checked_fields(case, &misread.answer),
                 ..misread
             };
-            case.expect() == Expect::Reject || misread.difference(received).is_none()
+            case.expectation() == Expect::Reject || misread.difference(received).is_none()
         }
         (Response::Rejected, None) => case.answer(rules) == Answer::Rejected,
         _ => false,
@@ -59,8 +59,8 @@ fn checked_fields(case: &TextureCase, answer: &Value) -> Value {
     Value::Object(kept.collect())
 }
 
-fn would_fail(run: &Run<TextureCase>, case: &TextureCase, rules: &Rules) -> bool {
-    let must_refuse = case.expect() == Expect::Reject;
+fn would_fail(run: &TextureRun, case: &TextureCase, rules: &Rules) -> bool {
+    let must_refuse = case.expectation() == Expect::Reject;
     match case.answer(rules) {
         Answer::Decoded(answer) => {
             let expected = case.expected(&run.judgment.dialect);

@@ -8,11 +8,17 @@ use crate::report::{document::LikelyCause, make::likely_causes};
 use crate::session::asking::DecoderFn;
 use crate::session::lit_scene::{self, LitScene};
 use crate::session::probe::{ProbeStep, wrapper_faults};
-use crate::session::run::{Run, Session};
-use crate::session::{contact::Contact, locale, plan::RunPlan, remark::Remark, transform};
+use crate::session::run::{Run, RunOf, Session};
+use crate::session::{
+    contact::{Contact, ContactOf},
+    locale,
+    plan::RunPlan,
+    remark::Remark,
+    transform,
+};
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Case, Suite};
-use ptm_suite::{test_case::TestCase, texture::cases::TextureCase};
+use ptm_suite::test_case::{Listed, TestCase};
 
 /// The result of a search for causes.
 #[derive(Clone, Debug, Default)]
@@ -30,7 +36,7 @@ pub struct FoundCauses {
 impl FoundCauses {
     /// Converts diagnoses to the form in which they are reported.
     #[must_use]
-    pub fn new<C: TestCase, A: 'static>(suite: &Suite<C>, found: &Causes<A>) -> FoundCauses {
+    pub fn new<C: Listed, A: 'static>(suite: &Suite<C>, found: &Causes<A>) -> FoundCauses {
         FoundCauses {
             causes: likely_causes(suite, &found.diagnoses),
             faults: found.faults.clone(),
@@ -48,19 +54,19 @@ pub trait Explain: TestCase {
         _: Program,
         _: &Suite<Self>,
         _: &RunPlan,
-        _: &Contact<Self>,
+        _: &ContactOf<Self>,
     ) -> Vec<ProbeStep> {
         Vec::new()
     }
 
     /// Returns a remark if a program answers differently in a locale with a decimal comma, if the system has one.
     #[must_use]
-    fn locale_remark(_: Program, _: &Suite<Self>, _: &Run<Self>) -> Option<Remark> {
+    fn locale_remark(_: Program, _: &Suite<Self>, _: &RunOf<Self>) -> Option<Remark> {
         None
     }
 
     /// Finds transforms that the images of the first files have in common, reports them, and undoes them in all later images.
-    fn undo_common_transforms(_: &Suite<Self>, _: &mut Session<Self>, _: &mut Contact<Self>) {}
+    fn undo_common_transforms(_: &Suite<Self>, _: &mut Session<Self>, _: &mut ContactOf<Self>) {}
 
     /// Assumes the misreadings with these slugs. Failures explained by one of them no longer count as failures.
     ///
@@ -68,7 +74,7 @@ pub trait Explain: TestCase {
     /// Returns a message that names the first unknown misreading.
     fn assume(
         _: &Suite<Self>,
-        _: &mut Run<Self>,
+        _: &mut RunOf<Self>,
         slugs: &[String],
         _jobs: usize,
     ) -> Result<(), String> {
@@ -81,14 +87,14 @@ pub trait Explain: TestCase {
 
     /// Requests a scene that illustrates the report. Returns `None` if the suite has none, or if the decoder does not show it.
     #[must_use]
-    fn request_scene(_: &Run<Self>, _: &DecoderFn<Self>) -> Option<LitScene> {
+    fn request_scene(_: &RunOf<Self>, _: &DecoderFn<Self>) -> Option<LitScene> {
         None
     }
 
     /// Finds the causes of failures, except the assumed misreadings.
     fn find_causes(
         suite: &Suite<Self>,
-        run: &Run<Self>,
+        run: &RunOf<Self>,
         assumed: &[String],
         jobs: usize,
     ) -> FoundCauses;
@@ -143,11 +149,5 @@ impl Explain for Case {
         // `assume` has already rejected unknown slugs.
         let assumed = find_misreadings(assumed).unwrap_or_default();
         FoundCauses::new(suite, &diagnose::diagnose(suite, run, &assumed, jobs))
-    }
-}
-
-impl Explain for TextureCase {
-    fn find_causes(suite: &Suite<Self>, run: &Run<Self>, _: &[String], _: usize) -> FoundCauses {
-        FoundCauses::new(suite, &diagnose::texture::diagnose(suite, run).into())
     }
 }

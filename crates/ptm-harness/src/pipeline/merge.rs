@@ -4,36 +4,46 @@
 //! deterministic decoder, the report equals that of a whole run, byte for byte.
 
 use std::collections::HashMap;
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use serde::de::DeserializeOwned;
+use serde_json::Value;
 
+use crate::pipeline::texture::{self, TextureCheck};
 use crate::pipeline::{Check, Checked, Explain, Observer, Subject, check};
+use crate::report::document::Report;
 use crate::report::shards::{self, AnswerRecord, OtherRemarks, RecordedAnswer, Shard, Trailer};
-use crate::session::{asking::ReplyTo, plan::RunPlan, remark::Remark};
+use crate::session::texture::TextureRun;
+use crate::session::{plan::RunPlan, remark::Remark};
+use ptm_suite::cases::Suite;
 use ptm_suite::kit::strip_os_error_code;
-use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::frame::{Answer, Frame};
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
-use ptm_suite::{cases::Suite, test_case::TestCase};
+use ptm_suite::test_case::{Listed, Output};
+use ptm_suite::texture::cases::{TextureCase, TextureView};
 
 /// Recorded answers of all parts of a run.
-pub struct RecordedAnswers<C: TestCase> {
+pub struct RecordedAnswers<T = Frame> {
     /// Answers, keyed by file digest, view, and kind of attempt.
-    known: HashMap<(String, String, AttemptKind), RecordedAnswer<C::Output>>,
+    known: HashMap<(String, String, AttemptKind), RecordedAnswer<T>>,
     /// Trailer of the first part, with the remarks and the selected cases of all parts.
     trailer: Trailer,
 }
 
-impl<C: Explain> RecordedAnswers<C> {
+impl<T: Output> RecordedAnswers<T> {
     /// Reads the answer files next to the given reports.
     ///
     /// # Errors
     /// Returns a message if a file is damaged, if a file comes from a different run, suite or version, or if a part is
     /// missing, repeated or incomplete.
-    pub fn read(suite: &Suite<C>, reports: &[PathBuf]) -> Result<RecordedAnswers<C>, String> {
+    pub fn read<C: Listed>(
+        suite: &Suite<C>,
+        reports: &[PathBuf],
+    ) -> Result<RecordedAnswers<T>, String> {
         let mut known = HashMap::new();
         let mut ends: Vec<(&Path, Trailer)> = Vec::new();
         for report in reports {
@@ -66,37 +76,84 @@ impl<C: Explain> RecordedAnswers<C> {
     ///
     /// # Errors
     /// Returns a message if the whole run needs a request that no part sent.
-    pub fn merge(
+    pub fn merge<C: Explain<Output = T>>(
         &self,
         suite: &Suite<C>,
         jobs: usize,
         observer: &dyn Observer,
     ) -> Result<Checked<C>, String> {
-        let plan = RunPlan {
-            jobs,
-            ..self.trailer.plan.clone()
-        };
-        let replay = Replay {
-            answers: self,
-            suite,
-            missing: OnceLock::new(),
-        };
+        let plan = self.plan(jobs);
         let whole = Check {
             circumstances: self.trailer.circumstances.clone(),
             ..Check::new(suite, &plan)
         };
-        check(&whole, &replay, observer).map_err(|error| error.to_string())
+        let expected = |id: &str, view: &C::View| suite.case(id)?.expected_output(view);
+        check(&whole, &Replay::new(self, &expected), observer).map_err(|error| error.to_string())
+    }
+
+    fn plan(&self, jobs: usize) -> RunPlan {
+        RunPlan {
+            jobs,
+            ..self.trailer.plan.clone()
+        }
+    }
+}
+
+impl RecordedAnswers<Value> {
+    /// Replays the whole run of a texture stage.
+    ///
+    /// # Errors
+    /// Returns a message if the whole run needs a request that no part sent.
+    pub fn merge_texture(
+        &self,
+        suite: &Suite<TextureCase>,
+        jobs: usize,
+        observer: &dyn Observer,
+    ) -> Result<(TextureRun, Report), String> {
+        let plan = self.plan(jobs);
+        let whole = TextureCheck {
+            circumstances: self.trailer.circumstances.clone(),
+            ..TextureCheck::new(suite, &plan)
+        };
+        let expected = |id: &str, _: &TextureView| Some(suite.case(id)?.expect.clone());
+        let replay = Replay::new(self, &expected);
+        texture::check(&whole, &replay, observer).map_err(|error| error.to_string())
+    }
+}
+
+/// A decoder that gives the recorded answers.
+struct Replay<'a, V, T> {
+    answers: &'a RecordedAnswers<T>,
+    /// Returns the output of the reference for a case in a view.
+    expected: &'a (dyn Fn(&str, &V) -> Option<T> + Sync),
+    /// The first request without a recorded answer.
+    missing: OnceLock<String>,
+}
+
+impl<'a, V: Display, T: Output> Replay<'a, V, T> {
+    fn new(
+        answers: &'a RecordedAnswers<T>,
+        expected: &'a (dyn Fn(&str, &V) -> Option<T> + Sync),
+    ) -> Replay<'a, V, T> {
+        Replay {
+            answers,
+            expected,
+            missing: OnceLock::new(),
+        }
     }
 
     /// Returns the recorded answer to a request. If no part repeated the request, returns the first answer again, because the
     /// verdict did not require a repetition.
-    fn find_reply(&self, suite: &Suite<C>, request: &Request<'_, C::View>) -> Option<ReplyTo<C>> {
-        let file = shards::digest(request.file);
-        let known = |attempt| (self.known).get(&(file.clone(), request.view.to_string(), attempt));
+    fn find_reply(&self, request: &Request<'_, V>) -> Option<Reply<T>> {
+        let (file, view) = (shards::digest(request.file), request.view.to_string());
+        let known = |attempt| {
+            let key = (file.clone(), view.clone(), attempt);
+            self.answers.known.get(&key)
+        };
         let record = known(request.attempt).or_else(|| known(AttemptKind::Usual))?;
         let answer = match &record.answer {
             Some(answer) => answer.clone(),
-            None => Answer::Decoded(suite.case(&record.case)?.expected_output(request.view)?),
+            None => Answer::Decoded((self.expected)(&record.case, request.view)?),
         };
         Some(Reply {
             stderr: record.stderr.clone(),
@@ -108,18 +165,9 @@ impl<C: Explain> RecordedAnswers<C> {
     }
 }
 
-/// A decoder that gives the recorded answers.
-struct Replay<'a, C: TestCase> {
-    answers: &'a RecordedAnswers<C>,
-    suite: &'a Suite<C>,
-    /// The first request without a recorded answer.
-    missing: OnceLock<String>,
-}
-
-impl<C: Explain> Subject<C::View, C::Output> for Replay<'_, C> {
-    fn ask(&self, request: &Request<'_, C::View>, _: usize) -> ReplyTo<C> {
-        let reply = self.answers.find_reply(self.suite, request);
-        reply.unwrap_or_else(|| {
+impl<V: Display, T: Output> Subject<V, T> for Replay<'_, V, T> {
+    fn ask(&self, request: &Request<'_, V>, _: usize) -> Reply<T> {
+        self.find_reply(request).unwrap_or_else(|| {
             self.missing
                 .get_or_init(|| format!("{} in {}", request.name, request.view));
             Answer::NotStarted("no part of the run contains this request".to_owned()).into()

@@ -17,6 +17,7 @@ pub mod observer;
 mod other_transforms;
 pub mod recorder;
 pub mod subject;
+pub mod texture;
 #[cfg(test)]
 mod texture_unit;
 
@@ -37,12 +38,12 @@ use recorder::ShardRecorder;
 use crate::report::document::Report;
 use crate::report::shards::{Circumstances, OtherRemarks};
 use crate::session::asking::DecoderFn;
-use crate::session::contact::Contact;
+use crate::session::contact::{Contact, ContactOf};
 use crate::session::lit_scene::LitScene;
 use crate::session::plan::RunPlan;
 use crate::session::probe::ProbeStep;
 use crate::session::remark::Remark;
-use crate::session::run::{Observations, Run, Session};
+use crate::session::run::{ObservationsOf, RunOf, Session};
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::protocol::request::Request;
 use ptm_suite::verdicts::observation::ObservationOf;
@@ -102,7 +103,7 @@ impl<'a, C: Explain> Check<'a, C> {
 /// The results of a check.
 pub struct Checked<C: Explain = Case> {
     /// Observations and verdicts.
-    pub run: Run<C>,
+    pub run: RunOf<C>,
     /// The report.
     pub report: Report,
     /// Faults in the wrapper of the decoder. If there are any, the run ended after first contact.
@@ -229,14 +230,14 @@ pub fn judge_answers<C: Explain>(
     suite: &Suite<C>,
     plan: &RunPlan,
     decoder: &DecoderFn<C>,
-) -> Run<C> {
+) -> RunOf<C> {
     let checked = check(&Check::of_answers(suite, plan), &decoder, &());
     checked.expect("a function has no trouble").run
 }
 
 /// Adds faults of the decoder's wrapper to the result of first contact. If there are any, no case is requested. `advice` is added
 /// if the program is not a decoder.
-fn add_faults<C: Explain>(contact: &mut Contact<C>, faults: &[ProbeStep], advice: Option<&str>) {
+fn add_faults<V, T, F>(contact: &mut Contact<V, T, F>, faults: &[ProbeStep], advice: Option<&str>) {
     for fault in faults {
         let message = match &fault.next {
             Some(next) => format!("{}\n→ {next}", fault.message),
@@ -261,10 +262,10 @@ fn add_faults<C: Explain>(contact: &mut Contact<C>, faults: &[ProbeStep], advice
 fn request_cases<C: Explain>(
     check: &Check<C>,
     session: &Session<C>,
-    contact: &Contact<C>,
+    contact: &ContactOf<C>,
     pace: Duration,
     observer: &dyn Observer,
-) -> Observations<C> {
+) -> ObservationsOf<C> {
     let (prioritized, others) = session.agenda(contact);
     let total = prioritized.len() + others.len();
     let done = AtomicUsize::new(0);
@@ -348,7 +349,7 @@ fn run_with_time_limit<T>(
 /// Returns the report of a run with all verdicts, but without causes.
 fn report_verdicts<C: Explain>(
     check: &Check<C>,
-    run: &mut Run<C>,
+    run: &mut RunOf<C>,
     remarks: &OtherRemarks,
 ) -> Result<Report, Error> {
     let (suite, plan, circumstances) = (check.suite, check.plan, &check.circumstances);

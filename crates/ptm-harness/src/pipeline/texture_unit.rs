@@ -4,16 +4,15 @@ use proptest::prelude::*;
 use proptest::sample::select;
 use serde_json::{Value, json};
 
-use crate::pipeline::judge_answers;
+use crate::pipeline::texture::judge_answers;
 use crate::session::plan::RunPlan;
-use crate::session::run::Run;
+use crate::session::texture::TextureRun;
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::Request;
-use ptm_suite::texture::cases::TextureCase;
+use ptm_suite::texture::cases::{TextureCase, TextureView};
 use ptm_suite::texture::choices::CHOICES;
 use ptm_suite::texture::question::Question;
-use ptm_suite::texture::test_case::TextureView;
 use ptm_suite::verdicts::outcome::Outcome;
 use ptm_texture::map::CellPair;
 use ptm_texture::{
@@ -59,7 +58,7 @@ fn texture_unit<const STEPS: u32>() -> Rules {
     }
 }
 
-fn run(rules: &Rules) -> (Suite<TextureCase>, Run<TextureCase>) {
+fn run(rules: &Rules) -> (Suite<TextureCase>, TextureRun) {
     let suite = Suite::load_texture().expect("the suite loads");
     let ask = |request: &Request<'_, TextureView>, _: usize| {
         let case = suite.case(request.name).expect("the case exists");

@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::session::run::Run;
+use crate::session::run::{Run, RunOf};
 use ptm_suite::cases::{Expect, Suite};
-use ptm_suite::test_case::TestCase;
+use ptm_suite::test_case::{Listed, TestCase};
 use ptm_suite::verdicts::{observation::Response, outcome::Outcome};
 
 /// Maximum number of cases that are listed as evidence.
@@ -48,7 +48,7 @@ impl Leniency {
 }
 
 /// Counts the decoder's results for files outside the specification, one entry per ruling.
-pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Leniency> {
+pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &RunOf<C>) -> Vec<Leniency> {
     let mut rulings: BTreeMap<&str, Leniency> = BTreeMap::new();
     for (i, case) in suite.cases.iter().enumerate() {
         let is_lenient = matches!(case.expect(), Expect::Lenient | Expect::Robust);
@@ -72,9 +72,9 @@ pub(super) fn leniency<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Lenie
 }
 
 /// Returns the ids of the first passing cases whose indices satisfy `is_included`.
-pub(super) fn passing_case_ids<C: TestCase>(
+pub(super) fn passing_case_ids<C: Listed, V, T, D, F>(
     suite: &Suite<C>,
-    run: &Run<C>,
+    run: &Run<V, T, D, F>,
     is_included: impl Fn(usize) -> bool,
 ) -> Vec<String> {
     let passed = run.judgment.with_outcome(Outcome::Pass);

@@ -1,6 +1,8 @@
 //! Converts a run and its diagnoses to a report.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
+use std::fmt::Display;
 use std::path::Path;
 
 use crate::diagnose::{Cause, Diagnosis};
@@ -8,12 +10,16 @@ use crate::report::document::{
     CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, Tool, Verdict,
 };
 use crate::report::leniency::{leniency, passing_case_ids};
-use crate::session::{remark::Remark, run::Run};
+use crate::session::remark::Remark;
+use crate::session::run::{Run, RunOf};
+use crate::session::texture::TextureRun;
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::compare::{FlatBlocks, LOSSY_TOLERANCE};
+use ptm_suite::dialect::Choices;
 use ptm_suite::name::SuiteName;
-use ptm_suite::test_case::{Allowance, TestCase};
+use ptm_suite::test_case::{Allowance, Listed, TestCase};
+use ptm_suite::texture::{self, cases::TextureCase};
 use ptm_suite::verdicts::dialect::Certainty;
 use ptm_suite::verdicts::observation::Response;
 use ptm_suite::verdicts::outcome::Outcome;
@@ -23,57 +29,34 @@ impl Report {
     #[must_use]
     pub fn new<C: TestCase>(
         suite: &Suite<C>,
-        run: &Run<C>,
+        run: &RunOf<C>,
         command: &[String],
         limits: Vec<String>,
     ) -> Report {
-        let verdict = match run.exit_status() {
-            0 => Verdict::Pass,
-            1 => Verdict::Fail,
-            _ => match C::SUITE {
-                SuiteName::Ptm | SuiteName::Texture => Verdict::NotADecoder,
-                SuiteName::Writers | SuiteName::Fitters => Verdict::NotAWriter,
-            },
-        };
-        let name = |word| Path::new(word).file_name().unwrap_or(OsStr::new(word));
-        let words: Vec<_> = (command.iter().map(|word| name(word).to_string_lossy())).collect();
-        let views = run.offer.views.iter();
-        let decoded = run.judgment.decoded.iter();
-        let remarks = run.remarks.iter().cloned();
+        let mut dialect = table_readings(suite, run);
+        dialect.extend(followed_readings(suite, run, &C::CHOICES));
         Report {
-            schema: SCHEMA,
-            suite: C::SUITE,
-            tool: Tool {
-                name: "ptm-conform".to_owned(),
-                version: env!("CARGO_PKG_VERSION").to_owned(),
-                corpus: C::digest(suite),
-                limits,
-            },
-            decoder: DecoderInfo {
-                command: words.join(" "),
-                name: None,
-                version: None,
-                mode: "one-shot".to_owned(),
-                views: views.map(|&view| view.to_owned()).collect(),
-                decodes: decoded.map(ToString::to_string).collect(),
-                unsupported: unsupported(run),
-            },
-            verdict,
-            reason: run.not_a_decoder.clone(),
-            scores: run.scores(suite),
-            remarks: remarks.chain(tolerance_remarks(run)).collect(),
-            dialect: followed_readings(suite, run),
             lenient: leniency(suite, run),
-            baseline: None,
-            diagnoses: Vec::new(),
-            results_digest: None,
-            cases: case_results(suite, run),
+            ..report(suite, run, |i| suite.features(i), dialect, command, limits)
         }
+    }
+
+    /// Creates the report on a texture stage.
+    #[must_use]
+    pub fn on_texture_stage(
+        suite: &Suite<TextureCase>,
+        run: &TextureRun,
+        command: &[String],
+        limits: Vec<String>,
+    ) -> Report {
+        let dialect = followed_readings(suite, run, &texture::choices::CHOICES);
+        let features = |i: usize| suite.cases[i].features();
+        report(suite, run, features, dialect, command, limits)
     }
 
     /// Replaces the likely causes of the report with `diagnoses`.
     #[must_use]
-    pub fn with_diagnoses<C: TestCase, A: 'static>(
+    pub fn with_diagnoses<C: Listed, A: 'static>(
         mut self,
         suite: &Suite<C>,
         diagnoses: &[Diagnosis<A>],
@@ -83,7 +66,68 @@ impl Report {
     }
 }
 
-fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> {
+/// Creates a report on a run of any suite. `features` returns the features that a decoder may need for a case.
+fn report<C, V, T, D, F>(
+    suite: &Suite<C>,
+    run: &Run<V, T, D, F>,
+    features: impl Fn(usize) -> BTreeSet<F>,
+    dialect: Vec<FollowedReading>,
+    command: &[String],
+    limits: Vec<String>,
+) -> Report
+where
+    C: Listed,
+    V: Display,
+    F: Display + Ord,
+{
+    let verdict = match run.exit_status() {
+        0 => Verdict::Pass,
+        1 => Verdict::Fail,
+        _ => match C::SUITE {
+            SuiteName::Ptm | SuiteName::Texture => Verdict::NotADecoder,
+            SuiteName::Writers | SuiteName::Fitters => Verdict::NotAWriter,
+        },
+    };
+    let name = |word| Path::new(word).file_name().unwrap_or(OsStr::new(word));
+    let words: Vec<_> = (command.iter().map(|word| name(word).to_string_lossy())).collect();
+    let views = run.offer.views.iter();
+    let decoded = run.judgment.decoded.iter();
+    let remarks = run.remarks.iter().cloned();
+    Report {
+        schema: SCHEMA,
+        suite: C::SUITE,
+        tool: Tool {
+            name: "ptm-conform".to_owned(),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            corpus: C::digest(suite),
+            limits,
+        },
+        decoder: DecoderInfo {
+            command: words.join(" "),
+            name: None,
+            version: None,
+            mode: "one-shot".to_owned(),
+            views: views.map(|&view| view.to_owned()).collect(),
+            decodes: decoded.map(ToString::to_string).collect(),
+            unsupported: unsupported(run),
+        },
+        verdict,
+        reason: run.not_a_decoder.clone(),
+        scores: run.scores(features),
+        remarks: remarks.chain(tolerance_remarks(run)).collect(),
+        dialect,
+        lenient: Vec::new(),
+        baseline: None,
+        diagnoses: Vec::new(),
+        results_digest: None,
+        cases: case_results(suite, run),
+    }
+}
+
+fn case_results<C: Listed, V: Display, T, D, F>(
+    suite: &Suite<C>,
+    run: &Run<V, T, D, F>,
+) -> Vec<CaseResult> {
     let mut results = Vec::new();
     let observed = run.judgment.cases.iter().zip(&run.observations);
     for (case, (judged, observation)) in suite.cases.iter().zip(observed) {
@@ -105,9 +149,13 @@ fn case_results<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<CaseResult> 
 }
 
 /// Returns the decoder's reading of each settled choice, with the cases that demonstrate the reading.
-fn followed_readings<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
-    let mut readings = table_readings(suite, run);
-    for (axis, choice) in C::CHOICES.iter().enumerate() {
+fn followed_readings<C: Listed, V, T, D, F, R>(
+    suite: &Suite<C>,
+    run: &Run<V, T, D, F>,
+    choices: &Choices<R>,
+) -> Vec<FollowedReading> {
+    let mut readings = Vec::new();
+    for (axis, choice) in choices.iter().enumerate() {
         if run.judgment.certainties[axis] != Certainty::Settled {
             continue;
         }
@@ -129,7 +177,7 @@ fn followed_readings<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<Followe
 
 /// Returns the table spelling that the decoder reads, if it decodes tables. The spelling determines only which files are sent to
 /// the decoder, not which answers are correct.
-fn table_readings<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedReading> {
+fn table_readings<C: TestCase>(suite: &Suite<C>, run: &RunOf<C>) -> Vec<FollowedReading> {
     let decoded = &run.judgment.decoded;
     let mut cases = suite.cases.iter();
     if !cases.any(|case| case.has_table() && decoded.contains(&case.kind())) {
@@ -157,7 +205,7 @@ fn table_readings<C: TestCase>(suite: &Suite<C>, run: &Run<C>) -> Vec<FollowedRe
 }
 
 /// Returns everything for which the decoder always exits with status 69: features, and views of individual kinds of cases.
-fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
+fn unsupported<V, T, D, F: Display>(run: &Run<V, T, D, F>) -> Vec<String> {
     let features = run.judgment.unsupported.iter();
     let mut names: Vec<String> = features.map(ToString::to_string).collect();
     for (view, kind) in &run.offer.missing_views {
@@ -174,7 +222,9 @@ fn unsupported<C: TestCase>(run: &Run<C>) -> Vec<String> {
 const MIN_SYSTEMATIC_ERROR: f64 = 0.25;
 
 /// Returns remarks on images that were compared with a tolerance larger than rounding requires.
-fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> {
+fn tolerance_remarks<V, T, D, F>(
+    run: &Run<V, T, D, F>,
+) -> impl Iterator<Item = Remark> + use<V, T, D, F> {
     let others = "raw images of lossy JPEG planes differ from the reference within the tolerance; a different inverse DCT or a small mistake may be the reason";
     let lossy = format!(
         "responses are JPEG images, which are lossy, so the tolerance is larger by {LOSSY_TOLERANCE} and small mistakes are not found"
@@ -218,7 +268,7 @@ fn tolerance_remarks<C: TestCase>(run: &Run<C>) -> impl Iterator<Item = Remark> 
 }
 
 /// Converts diagnoses to the likely causes listed in a report.
-pub fn likely_causes<C: TestCase, A: 'static>(
+pub fn likely_causes<C: Listed, A: 'static>(
     suite: &Suite<C>,
     diagnoses: &[Diagnosis<A>],
 ) -> Vec<LikelyCause> {

@@ -1,8 +1,8 @@
 //! Texts of a suite that reports show. With them, the same code renders reports on any suite.
 
 use ptm_suite::cases::Suite;
-use ptm_suite::clauses::{Clause, Ruling};
-use ptm_suite::test_case::TestCase;
+use ptm_suite::clauses::{self, Clause, Ruling};
+use ptm_suite::{name::SuiteName, test_case::Listed, texture};
 
 /// Texts of a suite.
 pub struct SuiteTexts {
@@ -21,14 +21,19 @@ impl SuiteTexts {
     ///
     /// # Errors
     /// Returns a message that names the file and the error.
-    pub fn new<C: TestCase>(suite: &Suite<C>) -> Result<SuiteTexts, String> {
+    pub fn new<C: Listed>(suite: &Suite<C>) -> Result<SuiteTexts, String> {
         let purpose = |case: &C| (case.id().to_owned(), case.because());
-        let choices = C::CHOICES.iter();
+        let (clauses, rulings) = match C::SUITE {
+            SuiteName::Texture => (texture::cases::clauses()?, texture::cases::rulings()?),
+            SuiteName::Ptm | SuiteName::Writers | SuiteName::Fitters => {
+                (clauses::clauses()?, clauses::rulings()?)
+            }
+        };
         Ok(SuiteTexts {
             cases: suite.cases.iter().map(purpose).collect(),
-            clauses: C::SUITE.clauses()?,
-            rulings: C::SUITE.rulings()?,
-            reference_readings: choices.map(|one| (one.ruling, one.readings[0].0)).collect(),
+            clauses,
+            rulings,
+            reference_readings: C::reference_readings(),
         })
     }
 

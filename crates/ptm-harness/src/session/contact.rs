@@ -3,29 +3,33 @@
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 
-use crate::session::asking::{ReplyTo, Session, serve_mode_failure};
+use crate::session::asking::{Session, serve_mode_failure};
 use crate::session::{plan::Repeat, remark::Remark, tally::TimeoutWatch};
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Frame, View};
 use ptm_suite::protocol::request::{AttemptKind, Reply};
 use ptm_suite::verdicts::observation::Response;
 use ptm_suite::verdicts::offer::Offer;
-use ptm_suite::{compare::Expected, dialect::RightDialects, test_case::TestCase};
+use ptm_suite::{compare::Expected, dialect::RightDialects};
+use ptm_suite::{features::Feature, test_case::TestCase};
+
+/// A first file of a suite of cases.
+type FirstFileOf<C> = FirstFile<<C as TestCase>::View, <C as TestCase>::Output>;
 
 /// A first file that was requested in one view, and the reply of the decoder.
 #[derive(Clone, Debug)]
-pub struct FirstFile<C: TestCase = Case> {
+pub struct FirstFile<V = View, T = Frame> {
     /// Index of the requested case in the suite.
     pub case: usize,
     /// The view in which the file was requested.
-    pub view: C::View,
+    pub view: V,
     /// The reply.
-    pub reply: ReplyTo<C>,
+    pub reply: Reply<T>,
     /// The kind of attempt that resulted in this reply.
     pub attempt: AttemptKind,
 }
 
-impl<C: TestCase> FirstFile<C> {
+impl<V, T> FirstFile<V, T> {
     fn is_decoded(&self) -> bool {
         matches!(self.reply.answer, Answer::Decoded(_))
     }
@@ -75,13 +79,17 @@ impl Contact {
     }
 }
 
+/// First contact with a decoder of a suite of cases.
+pub type ContactOf<C> =
+    Contact<<C as TestCase>::View, <C as TestCase>::Output, <C as TestCase>::Feature>;
+
 /// The result of first contact: facts about a decoder that are known before any case is judged.
 #[derive(Clone, Debug)]
-pub struct Contact<C: TestCase = Case> {
+pub struct Contact<V = View, T = Frame, F = Feature> {
     /// Replies to the first files.
-    pub first: Vec<FirstFile<C>>,
+    pub first: Vec<FirstFile<V, T>>,
     /// Views and formats that the decoder offers.
-    pub offer: Offer<C>,
+    pub offer: Offer<F>,
     /// Spelling in which tables are sent.
     pub table: TableSpelling,
     /// Remarks on the decoder.
@@ -92,7 +100,7 @@ pub struct Contact<C: TestCase = Case> {
     pub end_reason: Option<String>,
 }
 
-impl<C: TestCase> Contact<C> {
+impl<V, T, F> Contact<V, T, F> {
     /// Returns true if cases can be requested.
     pub(crate) fn is_ready(&self) -> bool {
         self.not_a_decoder.is_none() && self.end_reason.is_none()
@@ -102,7 +110,7 @@ impl<C: TestCase> Contact<C> {
 impl<C: TestCase> Session<'_, C> {
     /// Requests the first files to determine whether the program is a decoder, what it offers, and which table spelling it reads.
     #[must_use]
-    pub fn first_contact(&self) -> Contact<C> {
+    pub fn first_contact(&self) -> ContactOf<C> {
         let first = self.first_files();
         // Report the first file that was not answered in serve mode.
         let trouble = first.iter().find_map(|first| {
@@ -133,7 +141,7 @@ impl<C: TestCase> Session<'_, C> {
             return contact;
         }
         // A decoder that supports only tables may refuse all first files because it expects a different spelling of the count.
-        let is_answer = |first: &FirstFile<C>| {
+        let is_answer = |first: &FirstFileOf<C>| {
             matches!(first.reply.answer, Answer::Decoded(_) | Answer::Rejected)
         };
         let (offer, first) = (&contact.offer, &contact.first);
@@ -154,16 +162,16 @@ impl<C: TestCase> Session<'_, C> {
     ///
     /// After three consecutive files that exceed the limit, one of them after the other is requested alone until one is answered.
     /// If none is, the run ends. At the end, all requests that exceeded the usual limit are repeated alone.
-    fn first_files(&self) -> Vec<FirstFile<C>> {
+    fn first_files(&self) -> Vec<FirstFileOf<C>> {
         let requests = self.first_requests();
         let mut cases: Vec<usize> = requests.iter().map(|&(case, _)| case).collect();
         cases.dedup();
         let mut watch = TimeoutWatch::new(cases.clone());
         let in_order = self.plan.repeat == Repeat::FailuresAndSample;
-        let mut replies: Vec<FirstFile<C>> = Vec::new();
+        let mut replies: Vec<FirstFileOf<C>> = Vec::new();
         let mut left = Vec::new();
         for (case, view) in requests {
-            let is_slow = |first: &FirstFile<C>| first.case == case && first.reply.is_timeout();
+            let is_slow = |first: &FirstFileOf<C>| first.case == case && first.reply.is_timeout();
             let decoded = replies.iter().any(FirstFile::is_decoded);
             if decoded && !in_order || replies.last().is_some_and(is_slow) {
                 left.push((case, view));
@@ -209,9 +217,9 @@ impl<C: TestCase> Session<'_, C> {
         &self,
         requests: &[(usize, &C::View)],
         watch: &TimeoutWatch,
-        replies: &mut Vec<FirstFile<C>>,
+        replies: &mut Vec<FirstFileOf<C>>,
     ) {
-        let mut others: Vec<Option<FirstFile<C>>> = requests.iter().map(|_| None).collect();
+        let mut others: Vec<Option<FirstFileOf<C>>> = requests.iter().map(|_| None).collect();
         self.request_first_files(requests, &mut others, Some(watch));
         if let Some(slow) = watch.consecutive() {
             let known = replies.iter_mut().chain(others.iter_mut().flatten());
@@ -236,7 +244,7 @@ impl<C: TestCase> Session<'_, C> {
         view: &C::View,
         worker: usize,
         attempt: AttemptKind,
-    ) -> FirstFile<C> {
+    ) -> FirstFileOf<C> {
         let (table, view) = (TableSpelling::default(), view.clone());
         let (_, reply) = self.observe(&self.suite.cases[case], &view, table, worker, attempt);
         FirstFile {
@@ -252,7 +260,7 @@ impl<C: TestCase> Session<'_, C> {
     fn request_first_files(
         &self,
         requests: &[(usize, &C::View)],
-        replies: &mut [Option<FirstFile<C>>],
+        replies: &mut [Option<FirstFileOf<C>>],
         watch: Option<&TimeoutWatch>,
     ) {
         let replies = Mutex::new(replies);
@@ -275,7 +283,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Repeats requests for these files alone, one file after the other, until one is answered. If none is, the run ends.
-    fn any_is_answered(&self, slow: &[usize], replies: &mut [&mut FirstFile<C>]) -> bool {
+    fn any_is_answered(&self, slow: &[usize], replies: &mut [&mut FirstFileOf<C>]) -> bool {
         let mut files = slow.iter();
         let is_answered = files.any(|&case| self.repeat_first_file(case, replies) == Some(true));
         if !is_answered && !self.is_interrupted() {
@@ -292,7 +300,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Repeats the requests for a file that exceeded the usual time limit, each alone and with a higher limit. Returns true if all
     /// were answered, false after the first that exceeds this limit, too, and `None` if no request may be repeated.
-    fn repeat_first_file(&self, case: usize, replies: &mut [&mut FirstFile<C>]) -> Option<bool> {
+    fn repeat_first_file(&self, case: usize, replies: &mut [&mut FirstFileOf<C>]) -> Option<bool> {
         for first in replies {
             if first.case != case || !first.reply.is_timeout() {
                 continue;
@@ -311,7 +319,11 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Returns the offer of the decoder. A view is offered if the decoder decoded a first file in it. An offered view is missing
     /// for a kind of case if the decoder exited with 69 for all requested files of that kind in that view, but not in every view.
-    fn derive_offer(&self, first: &[FirstFile<C>], remarks: &mut Vec<Remark>) -> Offer<C> {
+    fn derive_offer(
+        &self,
+        first: &[FirstFileOf<C>],
+        remarks: &mut Vec<Remark>,
+    ) -> Offer<C::Feature> {
         let (suite, plan) = (self.suite, self.plan);
         let declares = |view: &str| {
             plan.declared_views
@@ -333,7 +345,7 @@ impl<C: TestCase> Session<'_, C> {
             })
         };
         for &view in C::VIEWS {
-            let in_view = |one: &&FirstFile<C>| C::view_name(&one.view) == view;
+            let in_view = |one: &&FirstFileOf<C>| C::view_name(&one.view) == view;
             let mut in_view = first.iter().filter(in_view);
             // A view in which everything is refused is not offered. If no first file is decoded in any view, every view with an
             // answer other than 69 is offered, so that the run can report the errors.
@@ -361,7 +373,7 @@ impl<C: TestCase> Session<'_, C> {
         for kind in kinds {
             let has = |view: &&str| answered(view, Some(&kind));
             if !offer.views.iter().any(has) {
-                let is_of_kind = |one: &FirstFile<C>| suite.cases[one.case].kind() == kind;
+                let is_of_kind = |one: &FirstFileOf<C>| suite.cases[one.case].kind() == kind;
                 if !C::VIEWS.iter().any(has) && first.iter().any(is_of_kind) {
                     offer.unsupported.push(kind);
                 }
@@ -397,7 +409,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Returns the first table spelling that the decoder reads correctly.
-    pub(super) fn table_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
+    pub(super) fn table_spelling(&self, offer: &Offer<C::Feature>) -> Option<TableSpelling> {
         let cases = self.suite.cases.iter().enumerate();
         let mut asked = cases.filter(|&(i, _)| self.plan.is_requested(i));
         asked.find_map(|(_, case)| {
@@ -411,7 +423,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Returns the table spelling in which the decoder reads small tables best, or `None` if the evidence is weak. This is for
     /// decoders that read no `spelling` case correctly.
-    pub(super) fn likely_spelling(&self, offer: &Offer<C>) -> Option<TableSpelling> {
+    pub(super) fn likely_spelling(&self, offer: &Offer<C::Feature>) -> Option<TableSpelling> {
         const PROBES: usize = 4;
         if self.plan.precomputed {
             return None;
@@ -425,7 +437,7 @@ impl<C: TestCase> Session<'_, C> {
         let mut scores: Vec<(f64, TableSpelling)> = Vec::new();
         for table in TableSpelling::all() {
             let (mut score, mut silent) = (0.0, 0);
-            for case in &probes {
+            for &case in &probes {
                 let view = offer.chosen_view(case);
                 let Some(view) = view else { continue };
                 let observation = self.observe_patiently(case, view, table);
@@ -453,11 +465,11 @@ impl<C: TestCase> Session<'_, C> {
 }
 
 /// Returns the reason why the program that sent these replies is not a decoder or writer, if it is not one.
-fn non_decoder_reason<C: TestCase>(first: &[FirstFile<C>]) -> Option<String> {
+pub(super) fn non_decoder_reason<V, T>(first: &[FirstFile<V, T>]) -> Option<String> {
     let decoded = first.iter().any(FirstFile::is_decoded);
-    let is_refused = |first: &&FirstFile<C>| matches!(first.reply.answer, Answer::Rejected);
+    let is_refused = |first: &&FirstFile<V, T>| matches!(first.reply.answer, Answer::Rejected);
     let refused = first.iter().filter(is_refused).count();
-    let is_violation = |first: &&FirstFile<C>| first.reply.answer.violation().is_some();
+    let is_violation = |first: &&FirstFile<V, T>| first.reply.answer.violation().is_some();
     let FirstFile { reply, .. } = first.iter().find(is_violation).or(first.first())?;
     let why = match (&reply.answer, reply.exit) {
         (Answer::NotStarted(why), _) => format!("it cannot be started: {why}"),

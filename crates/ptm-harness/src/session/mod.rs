@@ -1,6 +1,7 @@
 //! The stages of a run, from first contact to the verdicts. [`pipeline::check`](crate::pipeline::check) calls them in order.
 //!
-//! All requests, for PTM files or texture questions, are [`TestCase`](ptm_suite::test_case::TestCase)s.
+//! All requests for PTM files, to decode or to write, are [`TestCase`](ptm_suite::test_case::TestCase)s. Texture questions have
+//! stages of their own ([`texture`]).
 
 pub mod asking;
 pub mod contact;
@@ -15,5 +16,6 @@ pub mod remark;
 pub mod run;
 mod schedule;
 mod tally;
+pub mod texture;
 pub mod texture_stage;
 pub mod transform;

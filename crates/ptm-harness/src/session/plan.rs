@@ -63,7 +63,7 @@ pub const SAMPLE_INTERVAL: usize = 100;
 impl RunPlan {
     /// Creates a plan that requests every case once, for a decoder that declares no capabilities.
     #[must_use]
-    pub fn new<C: TestCase>(suite: &Suite<C>, jobs: usize) -> RunPlan {
+    pub fn new<C>(suite: &Suite<C>, jobs: usize) -> RunPlan {
         RunPlan {
             selected: vec![true; suite.cases.len()],
             jobs,

@@ -6,30 +6,40 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use crate::session::asking::CountCallback;
 pub use crate::session::asking::Session;
-use crate::session::contact::{Contact, FirstFile};
+use crate::session::contact::{ContactOf, FirstFile};
 use crate::session::plan::{Repeat, RunPlan, SAMPLE_INTERVAL};
 use crate::session::remark::Remark;
 use crate::session::schedule::Requests;
 use crate::session::tally::Tally;
-use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
+use ptm_suite::cases::{Case, Expect, TableSpelling};
+use ptm_suite::compare::Difference;
+use ptm_suite::protocol::frame::{Frame, View};
 use ptm_suite::protocol::request::AttemptKind;
-use ptm_suite::test_case::TestCase;
 use ptm_suite::verdicts::judge::{Judgment, judge};
-use ptm_suite::verdicts::observation::{ObservationOf, Response};
+use ptm_suite::verdicts::observation::{Observation, ObservationOf, Response};
 use ptm_suite::verdicts::scores::{Fraction, Scores};
 use ptm_suite::verdicts::{offer::Offer, outcome::Outcome};
+use ptm_suite::{features::Feature, test_case::TestCase};
 
-/// The results of a run.
+/// The results of a run of a suite of cases.
+pub type RunOf<C> = Run<
+    <C as TestCase>::View,
+    <C as TestCase>::Output,
+    <C as TestCase>::Difference,
+    <C as TestCase>::Feature,
+>;
+
+/// The results of a run. The parameters are the types of views, outputs, differences and features.
 #[derive(Clone, Debug)]
-pub struct Run<C: TestCase = Case> {
-    /// Observations, one slot per case of the suite.
-    pub observations: Observations<C>,
+pub struct Run<V = View, T = Frame, D = Difference, F = Feature> {
+    /// Observations, one slot per case of the suite; `None` for cases that were not requested.
+    pub observations: Vec<Option<Observation<V, T, D>>>,
     /// The verdicts.
-    pub judgment: Judgment<C::Feature>,
+    pub judgment: Judgment<F>,
     /// The decoder's replies to the first files.
-    pub first: Vec<FirstFile<C>>,
+    pub first: Vec<FirstFile<V, T>>,
     /// The views and the kinds of cases that the decoder offers.
-    pub offer: Offer<C>,
+    pub offer: Offer<F>,
     /// The spelling of tables that are sent to the decoder.
     pub table: TableSpelling,
     /// Remarks on the run as a whole.
@@ -48,8 +58,8 @@ pub struct Run<C: TestCase = Case> {
     pub work: Arc<AtomicUsize>,
 }
 
-/// Observations, one slot per case of the suite; `None` for cases that were not requested.
-pub type Observations<C> = Vec<Option<ObservationOf<C>>>;
+/// Observations of a suite of cases, one slot per case.
+pub type ObservationsOf<C> = Vec<Option<ObservationOf<C>>>;
 
 /// A callback for each finished case. It receives the case, its observation, the number of finished cases, and the total.
 pub type Progress<'a, C = Case> = dyn Fn(&C, &ObservationOf<C>, usize, usize) + Sync + 'a;
@@ -58,7 +68,7 @@ impl<C: TestCase> Session<'_, C> {
     /// Returns the indices of the cases to request in two lists: the prioritized cases, and the others. The lists contain
     /// selected cases and their twins, but no case that is withheld or whose views are not offered. Both lists are empty if
     /// nothing can be requested.
-    pub(crate) fn agenda(&self, contact: &Contact<C>) -> (Vec<usize>, Vec<usize>) {
+    pub(crate) fn agenda(&self, contact: &ContactOf<C>) -> (Vec<usize>, Vec<usize>) {
         let (suite, plan) = (self.suite, self.plan);
         let withheld = plan.withheld_in(suite, contact.table);
         let (mut wanted, mut soonest) = (plan.selected.clone(), plan.prioritized.clone());
@@ -82,7 +92,7 @@ impl<C: TestCase> Session<'_, C> {
     /// Requests these cases once, each in the first of its views that the decoder offers.
     pub(crate) fn request_cases(
         &self,
-        contact: &Contact<C>,
+        contact: &ContactOf<C>,
         case_indices: &[usize],
         observations: &mut [Option<ObservationOf<C>>],
         progress: &Progress<C>,
@@ -101,10 +111,10 @@ impl<C: TestCase> Session<'_, C> {
     #[must_use]
     pub fn partial_run(
         &self,
-        contact: &Contact<C>,
+        contact: &ContactOf<C>,
         indices: &[usize],
         observations: &[Option<ObservationOf<C>>],
-    ) -> Run<C> {
+    ) -> RunOf<C> {
         let selected = &self.plan.selected;
         // Open requests will be repeated, so they have no verdict yet.
         let is_closed = |seen: &ObservationOf<C>| !seen.is_open();
@@ -121,10 +131,10 @@ impl<C: TestCase> Session<'_, C> {
     #[must_use]
     pub fn verdicts(
         self,
-        contact: Contact<C>,
-        mut observations: Observations<C>,
+        contact: ContactOf<C>,
+        mut observations: ObservationsOf<C>,
         progress: &CountCallback,
-    ) -> Run<C> {
+    ) -> RunOf<C> {
         let suite = self.suite;
         let nothing = vec![false; suite.cases.len()];
         let requests = CaseRequests {
@@ -150,7 +160,11 @@ impl<C: TestCase> Session<'_, C> {
         }
         // The run may be interrupted while cases are repeated.
         let ended_early = ended_early.or(self.end_reason());
-        let reason = || all_unsupported_reason(suite, &observations);
+        let reason = || {
+            let cases = suite.cases.iter().zip(&observations);
+            let legal = cases.filter(|(case, _)| case.expect() == Expect::Decode);
+            all_unsupported_reason(legal.filter_map(|(_, seen)| seen.as_ref()))
+        };
         let not_a_decoder = contact.not_a_decoder.clone().or_else(reason);
         let is_open = |seen: &&ObservationOf<C>| seen.is_open();
         let open = observations.iter().flatten().filter(is_open).count();
@@ -162,7 +176,9 @@ impl<C: TestCase> Session<'_, C> {
             not_a_decoder,
             ..run
         };
-        run.explain_skipped_cases(suite, &withheld);
+        let offer = run.offer.clone();
+        let is_offered = |i: usize| offer.chosen_view(&suite.cases[i]).is_some();
+        run.explain_skipped_cases(&withheld, is_offered);
         run.report_early_end();
         run
     }
@@ -199,10 +215,10 @@ impl<C: TestCase> Session<'_, C> {
 
     fn run(
         &self,
-        contact: Contact<C>,
-        observations: Observations<C>,
+        contact: ContactOf<C>,
+        observations: ObservationsOf<C>,
         judgment: Judgment<C::Feature>,
-    ) -> Run<C> {
+    ) -> RunOf<C> {
         Run {
             observations,
             judgment,
@@ -223,7 +239,7 @@ impl<C: TestCase> Session<'_, C> {
 /// The requests for the cases of a suite, after first contact.
 struct CaseRequests<'a, C: TestCase> {
     session: &'a Session<'a, C>,
-    contact: &'a Contact<C>,
+    contact: &'a ContactOf<C>,
 }
 
 impl<C: TestCase> Requests<C::View, C::Output, C::Difference> for CaseRequests<'_, C> {
@@ -260,29 +276,30 @@ impl<C: TestCase> Requests<C::View, C::Output, C::Difference> for CaseRequests<'
     }
 }
 
-/// Returns the reason why a program that exited with 69 for every must-accept file is not a decoder.
-fn all_unsupported_reason<C: TestCase>(
-    suite: &Suite<C>,
-    observations: &[Option<ObservationOf<C>>],
+/// Returns the reason why a program that exited with 69 for every must-accept file is not a decoder. `legal` are the observations
+/// of these files.
+pub(super) fn all_unsupported_reason<'a, V: 'a, T: 'a, D: 'a>(
+    legal: impl Iterator<Item = &'a Observation<V, T, D>>,
 ) -> Option<String> {
-    let cases = suite.cases.iter().zip(observations);
-    let legal = cases.filter(|(case, _)| case.expect() == Expect::Decode);
-    let mut asked = legal.filter_map(|(_, seen)| seen.as_ref()).peekable();
-    let unsupported = |seen: &ObservationOf<C>| matches!(seen.response, Response::Unsupported);
-    (asked.peek().is_some() && asked.all(unsupported))
+    let mut legal = legal.peekable();
+    let unsupported = |seen: &Observation<V, T, D>| matches!(seen.response, Response::Unsupported);
+    (legal.peek().is_some() && legal.all(unsupported))
         .then(|| "it exits with 69 (unsupported) on every legal file".to_owned())
 }
 
-impl<C: TestCase> Run<C> {
+impl<V, T, D, F: Ord> Run<V, T, D, F> {
     /// Explains why cases were not requested: they were withheld, or the run ended early.
-    fn explain_skipped_cases(&mut self, suite: &Suite<C>, withheld: &[Option<String>]) {
-        let judged = suite.cases.iter().zip(&mut self.judgment.cases);
-        for (((case, judged), observation), why) in judged.zip(&self.observations).zip(withheld) {
+    pub(super) fn explain_skipped_cases(
+        &mut self,
+        withheld: &[Option<String>],
+        is_offered: impl Fn(usize) -> bool,
+    ) {
+        for (i, judged) in self.judgment.cases.iter_mut().enumerate() {
             let Some(judged) = judged else { continue };
-            if let Some(why) = why {
+            if let Some(Some(why)) = withheld.get(i) {
                 judged.outcome = Outcome::NotJudged;
                 judged.message.clone_from(why);
-            } else if observation.is_none() && self.offer.chosen_view(case).is_some() {
+            } else if self.observations[i].is_none() && is_offered(i) {
                 judged.outcome = Outcome::NotRun;
                 judged.message = self.ended_early.clone().unwrap_or_default();
             }
@@ -290,7 +307,7 @@ impl<C: TestCase> Run<C> {
     }
 
     /// Reports why the run ended early: in a remark or, if the program is not a decoder, in the reason for that verdict.
-    fn report_early_end(&mut self) {
+    pub(super) fn report_early_end(&mut self) {
         let Some(why) = &self.ended_early else { return };
         if let Some(reason) = &mut self.not_a_decoder {
             *reason = format!("{reason}\n{why}");
@@ -303,15 +320,13 @@ impl<C: TestCase> Run<C> {
         self.remarks.push(Remark::failure(says));
     }
 
-    /// Returns the scores of this run.
+    /// Returns the scores of this run. `features` returns the features that a decoder may need for a case.
     #[must_use]
-    pub fn scores(&self, suite: &Suite<C>) -> Scores {
+    pub fn scores(&self, features: impl Fn(usize) -> BTreeSet<F>) -> Scores {
         let count = |outcome: Outcome| self.judgment.with_outcome(outcome).count();
-        let mut features: BTreeSet<C::Feature> = BTreeSet::new();
-        for (case, _) in (suite.cases.iter().zip(&self.judgment.cases)).filter(|of| of.1.is_some())
-        {
-            features.extend(case.views().iter().flat_map(|view| case.features(view)));
-        }
+        let cases = self.judgment.cases.iter().enumerate();
+        let judged = cases.filter(|(_, judged)| judged.is_some());
+        let features: BTreeSet<F> = judged.flat_map(|(i, _)| features(i)).collect();
         let passed = count(Outcome::Pass);
         let decoded = self.judgment.decoded.intersection(&features).count();
         let fraction = |part, whole| Fraction { part, whole };
@@ -335,7 +350,8 @@ impl<C: TestCase> Run<C> {
         if self.not_a_decoder.is_some() {
             return 3;
         }
-        let is_image = |seen: &ObservationOf<C>| matches!(seen.response, Response::Image { .. });
+        let is_image =
+            |seen: &Observation<V, T, D>| matches!(seen.response, Response::Image { .. });
         u8::from(
             failed
                 || self.ended_early.is_some()

@@ -10,7 +10,7 @@ use ptm_suite::protocol::request::{AttemptKind, Reply};
 use ptm_suite::verdicts::observation::{Observation, Response};
 
 /// Number of consecutive legal files that exceed the time limit before one of them is requested alone.
-const MAX_CONSECUTIVE: usize = 3;
+pub(super) const MAX_CONSECUTIVE: usize = 3;
 
 /// Maximum number of files that a remark names.
 const MAX_NAMED: usize = 3;

@@ -5,7 +5,7 @@ use serde_json::Value;
 use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
 use ptm_suite::protocol::request::{Reply, Request};
-use ptm_suite::texture::test_case::TextureView;
+use ptm_suite::texture::cases::TextureView;
 
 /// Sends a file with a question and reads a JSON object from standard output.
 #[must_use]

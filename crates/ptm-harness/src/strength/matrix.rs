@@ -4,17 +4,20 @@ use std::collections::HashMap;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::Mutex;
 
+use serde_json::Value;
+
 use crate::diagnose::{can_affect_file, decode_stream_cached};
-use crate::pipeline::{Explain, judge_answers};
+use crate::pipeline::{self, judge_answers};
+use crate::session::texture::TextureObservation;
 use crate::session::{plan::RunPlan, run::Run};
 use ptm::reading::Reading;
 use ptm_mistakes::Misreading;
 use ptm_mistakes::texture::Change;
-use ptm_suite::cases::{Case, Suite};
-use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
+use ptm_suite::cases::Suite;
+use ptm_suite::protocol::frame::{Answer, Frame, View, ViewKind};
 use ptm_suite::protocol::request::Request;
+use ptm_suite::texture::cases::{TextureCase, TextureView};
 use ptm_suite::verdicts::outcome::Outcome;
-use ptm_suite::{test_case::TestCase, texture::cases::TextureCase};
 use ptm_texture::Rules;
 
 /// Results of a suite for a decoder with one mistake.
@@ -28,7 +31,7 @@ pub struct MatrixRow<A: 'static = ptm_mistakes::Change> {
 }
 
 /// Answers, indexed by case and view.
-pub type KnownAnswers<C> = HashMap<String, Answer<<C as TestCase>::Output>>;
+pub type KnownAnswers = HashMap<String, Answer>;
 
 /// Runs the suite of PTM files against every misreading. `progress` receives the number of finished misreadings and the total.
 #[must_use]
@@ -38,7 +41,7 @@ pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Ve
     let rows = ptm_mistakes::all().enumerate().map(|(i, misreading)| {
         let results = run_with_mistakes(suite, &[misreading], &[], jobs, &correct);
         progress(i + 1, all);
-        matrix_row(suite, misreading, results, Frame::hash)
+        matrix_row(suite, misreading, results)
     });
     rows.collect()
 }
@@ -46,43 +49,59 @@ pub fn matrix(suite: &Suite, jobs: usize, progress: &dyn Fn(usize, usize)) -> Ve
 /// Runs the suite of texture questions against every misreading.
 #[must_use]
 pub fn texture_matrix(suite: &Suite<TextureCase>, jobs: usize) -> Vec<MatrixRow<Change>> {
+    let plan = RunPlan::new(suite, jobs);
     let rows = ptm_mistakes::texture::all().map(|misreading| {
         let rules = misreading.apply_to(Rules::SPEC);
-        let ask = |request: &Request<'_, _>| {
+        let ask = |request: &Request<'_, TextureView>, _: usize| {
             let case = suite.case(request.name).expect("the case exists");
-            case.answer(&rules)
+            case.answer(&rules).into()
         };
-        let results = run_and_answers(suite, &RunPlan::new(suite, jobs), &ask);
-        let digest = |answer: &_, hasher: &mut _| ToString::to_string(answer).hash(hasher);
-        matrix_row(suite, misreading, results, digest)
+        let run = pipeline::texture::judge_answers(suite, &plan, &ask);
+        let digest = |(case, observation): (&TextureCase, &Option<TextureObservation>)| {
+            let digest = |answer: &Value, hasher: &mut _| answer.to_string().hash(hasher);
+            let answer = observation.as_ref().map(|_| case.answer(&rules));
+            answer.map_or(0, |answer| hash_answer(&answer, digest))
+        };
+        MatrixRow {
+            misreading,
+            killed_by: run.judgment.with_outcome(Outcome::Fail).collect(),
+            answers: suite
+                .cases
+                .iter()
+                .zip(&run.observations)
+                .map(digest)
+                .collect(),
+        }
     });
     rows.collect()
 }
 
-fn matrix_row<C: TestCase, A: 'static>(
-    suite: &Suite<C>,
-    misreading: &'static Misreading<A>,
-    (run, answers): (Run<C>, KnownAnswers<C>),
-    digest: impl Fn(&C::Output, &mut DefaultHasher),
-) -> MatrixRow<A> {
-    let digest = |answer: &Answer<C::Output>| {
-        let mut hasher = DefaultHasher::new();
-        answer.name().hash(&mut hasher);
-        if let Answer::Decoded(output) = answer {
-            digest(output, &mut hasher);
-        }
-        hasher.finish()
-    };
+fn matrix_row(
+    suite: &Suite,
+    misreading: &'static Misreading,
+    (run, answers): (Run, KnownAnswers),
+) -> MatrixRow {
     let observed = suite.cases.iter().zip(&run.observations);
     let digests = observed.map(|(case, observation)| {
         let view = &observation.as_ref()?.view;
-        answers.get(&answer_key::<C>(case.id(), view)).map(digest)
+        let answer = answers.get(&answer_key(&case.id, view))?;
+        Some(hash_answer(answer, Frame::hash))
     });
     MatrixRow {
         misreading,
         killed_by: run.judgment.with_outcome(Outcome::Fail).collect(),
         answers: digests.map(Option::unwrap_or_default).collect(),
     }
+}
+
+/// Returns a hash of an answer. `hash_output` hashes an output.
+fn hash_answer<T>(answer: &Answer<T>, hash_output: impl Fn(&T, &mut DefaultHasher)) -> u64 {
+    let mut hasher = DefaultHasher::new();
+    answer.name().hash(&mut hasher);
+    if let Answer::Decoded(output) = answer {
+        hash_output(output, &mut hasher);
+    }
+    hasher.finish()
 }
 
 /// Runs the suite against a decoder with these mistakes. Requests only `views`, or all views if the list is empty. Returns the
@@ -93,14 +112,14 @@ pub fn run_with_mistakes(
     mistakes: &[&Misreading],
     views: &[ViewKind],
     jobs: usize,
-    correct: &KnownAnswers<Case>,
-) -> (Run, KnownAnswers<Case>) {
+    correct: &KnownAnswers,
+) -> (Run, KnownAnswers) {
     let reading = Reading {
         stream: decode_stream_cached,
         ..Reading::SPEC
     };
     let ask = |request: &Request<'_>| {
-        let known = correct.get(&answer_key::<Case>(request.name, request.view));
+        let known = correct.get(&answer_key(request.name, request.view));
         let can_affect = |mistake: &&Misreading| can_affect_file(mistake, request.file);
         let known = known.filter(|_| !mistakes.iter().any(can_affect)).cloned();
         let compute = || ptm_mistakes::answer(mistakes, reading, request.file, request.view);
@@ -114,15 +133,15 @@ pub fn run_with_mistakes(
 }
 
 /// Runs the suite and records every answer.
-fn run_and_answers<C: Explain>(
-    suite: &Suite<C>,
+fn run_and_answers(
+    suite: &Suite,
     plan: &RunPlan,
-    ask: &(dyn Fn(&Request<'_, C::View>) -> Answer<C::Output> + Sync),
-) -> (Run<C>, KnownAnswers<C>) {
+    ask: &(dyn Fn(&Request<'_>) -> Answer + Sync),
+) -> (Run, KnownAnswers) {
     let answers = Mutex::new(HashMap::new());
-    let record = |request: &Request<'_, C::View>, _: usize| {
+    let record = |request: &Request<'_>, _: usize| {
         let answer = ask(request);
-        let key = answer_key::<C>(request.name, request.view);
+        let key = answer_key(request.name, request.view);
         let mut answers = answers.lock().expect("no worker panics");
         answers.insert(key, answer.clone());
         answer.into()
@@ -131,6 +150,6 @@ fn run_and_answers<C: Explain>(
     (run, answers.into_inner().expect("no worker panics"))
 }
 
-fn answer_key<C: TestCase>(name: &str, view: &C::View) -> String {
+fn answer_key(name: &str, view: &View) -> String {
     format!("{name} {view}")
 }

@@ -1,16 +1,24 @@
 //! The embedded suite of texture cases, and case files in the same format.
 
+use std::collections::BTreeSet;
+use std::fmt;
+
 use crate::error::{Error, Result};
 use std::sync::OnceLock;
 
 use serde::Deserialize;
 use serde_json::{Value, json};
 
-use crate::cases::Suite;
+use crate::cases::{Expect, Suite};
 use crate::clauses::{Clause, Ruling};
+use crate::dialect::{Axis, RightDialects};
+use crate::kit::digest::sha256;
 use crate::kit::yaml::{from_files, from_yaml};
+use crate::name::SuiteName;
+use crate::test_case::{Listed, Output};
+use crate::texture::choices::CHOICES;
+use crate::texture::fixtures;
 use crate::texture::question::{Question, Refusal};
-use crate::{dialect::Axis, texture::fixtures};
 
 /// A question with its expected answer.
 #[derive(Clone, Debug, Deserialize)]
@@ -128,6 +136,52 @@ impl TextureCase {
         json!({ "op": self.op, "given": given })
     }
 
+    /// Returns the file that is sent.
+    #[must_use]
+    pub fn to_file(&self) -> Vec<u8> {
+        format!("{}\n", self.question()).into_bytes()
+    }
+
+    /// Returns the kind of the expected answer.
+    #[must_use]
+    pub fn expectation(&self) -> Expect {
+        match self.basis {
+            _ if self.must_be_refused() => Expect::Reject,
+            Basis::Impl => Expect::ImplementationDefined,
+            _ => Expect::Decode,
+        }
+    }
+
+    /// Returns the step and, if the question contains a PTM, the feature for PTM maps.
+    #[must_use]
+    pub fn features(&self) -> BTreeSet<String> {
+        let mut features = BTreeSet::from([self.op.clone()]);
+        if self.given.to_string().contains("\"ptm\"") {
+            features.insert("PTM maps".to_owned());
+        }
+        features
+    }
+
+    /// Compares an answer with the expected one. Returns the dialects in which it is right, and the difference from the answer of
+    /// the reference.
+    #[must_use]
+    pub fn compare(&self, answer: &Value) -> (RightDialects, Option<String>) {
+        let difference = self.expected(&CHOICES.reference()).difference(answer);
+        let axes = self.relevant_axes();
+        let right = if !axes.is_empty() {
+            RightDialects::Depends {
+                axes: axes.to_vec(),
+                in_reference: difference.is_none(),
+            }
+        } else if self.must_be_refused() {
+            // Any error message is accepted.
+            RightDialects::Regardless(answer.get("error").is_some())
+        } else {
+            RightDialects::Regardless(difference.is_none())
+        };
+        (right, difference)
+    }
+
     /// Returns the parsed question.
     ///
     /// # Errors
@@ -136,6 +190,58 @@ impl TextureCase {
         let read = || Question::from_value(&self.question());
         let question = self.parsed_question.get_or_init(read);
         question.as_ref().map_err(Refusal::clone)
+    }
+}
+
+/// The single view of texture questions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct TextureView;
+
+impl fmt::Display for TextureView {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("texture")
+    }
+}
+
+impl Output for Value {}
+
+impl Listed for TextureCase {
+    const SUITE: SuiteName = SuiteName::Texture;
+
+    fn id(&self) -> &str {
+        &self.id
+    }
+
+    fn clauses(&self) -> &[String] {
+        &self.clauses
+    }
+
+    fn because(&self) -> String {
+        let text = format!("{}: {}", self.op, self.because);
+        match (self.basis, &self.ruling) {
+            (Basis::Inferred, Some(ruling)) => format!(
+                "{text}\nThe formula of the chapter is lost; ruling {ruling} gives a replacement and the reasons for it."
+            ),
+            _ => text,
+        }
+    }
+
+    fn expectation_name(&self) -> &'static str {
+        match self.basis {
+            _ if self.must_be_refused() => "reject",
+            Basis::Reading => "choice",
+            Basis::Impl => "implementation-defined",
+            Basis::Text | Basis::Sibling | Basis::Inferred => "value",
+        }
+    }
+
+    fn digest(suite: &Suite<TextureCase>) -> String {
+        let text = |case: &TextureCase| format!("{}{}{}", case.id, case.question(), case.expect);
+        sha256(suite.cases.iter().map(text).collect::<String>().as_bytes())
+    }
+
+    fn reference_readings() -> Vec<(&'static str, &'static str)> {
+        CHOICES.reference_readings()
     }
 }
 

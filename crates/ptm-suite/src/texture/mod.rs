@@ -15,5 +15,4 @@ pub mod compare;
 pub mod expected;
 pub mod fixtures;
 pub mod question;
-pub mod test_case;
 pub mod verify;

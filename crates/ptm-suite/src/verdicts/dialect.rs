@@ -127,7 +127,8 @@ pub fn dialect_of<C: TestCase>(answers: &DependentAnswers<C>) -> (Dialect, Vec<C
     dialect_in(&C::CHOICES, &answers.dependent(), is_right)
 }
 
-fn dialect_in<R>(
+/// Returns the dialect in which most of these answers are right, and the certainty of its reading of each choice.
+pub fn dialect_in<R>(
     choices: &Choices<R>,
     answers: &[DependentAnswer],
     is_right: impl Fn(usize, &Dialect) -> bool,

@@ -5,7 +5,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::cases::{Case, Expect, Suite, TableSpelling};
-use crate::dialect::{Dialect, RightDialects};
+use crate::dialect::{Axis, Choices, Dialect, RightDialects};
 use crate::features::Feature;
 use crate::protocol::frame::{Answer, ViewKind};
 use crate::test_case::TestCase;
@@ -44,7 +44,7 @@ pub fn judge<C: TestCase>(
     suite: &Suite<C>,
     selected: &[bool],
     observations: &[Option<ObservationOf<C>>],
-    offer: &Offer<C>,
+    offer: &Offer<C::Feature>,
 ) -> Judgment<C::Feature> {
     let answers = DependentAnswers::new(suite, observations);
     let (dialect, certain) = dialect_of(&answers);
@@ -134,18 +134,20 @@ struct CaseFacts<'a, C: TestCase> {
     reads_some_spelling: bool,
 }
 
-fn verdict(outcome: Outcome, message: impl Into<String>) -> Verdict {
+/// Creates a verdict.
+pub fn verdict(outcome: Outcome, message: impl Into<String>) -> Verdict {
     let message = message.into();
     Verdict { outcome, message }
 }
 
-fn fail(says: impl Into<String>) -> Verdict {
+/// Creates the verdict on a failure.
+pub fn fail(says: impl Into<String>) -> Verdict {
     verdict(Outcome::Fail, says)
 }
 
 impl<C: TestCase> CaseFacts<'_, C> {
     /// Returns the outcome and the reason, according to the table and the exceptions in docs/protocol.md.
-    fn verdict(&self, offer: &Offer<C>) -> Verdict {
+    fn verdict(&self, offer: &Offer<C::Feature>) -> Verdict {
         let (case, observation) = (self.case, self.observation);
         let expect = case.expect();
         if let Some(how) = &observation.nondeterminism {
@@ -160,12 +162,14 @@ impl<C: TestCase> CaseFacts<'_, C> {
         // True if the decoder supports every feature that the case needs, and this view for its kind.
         let view = &observation.view;
         let is_supported = case.features(view).is_disjoint(self.unsupported);
-        let is_supported = is_supported && !offer.lacks(view, &case.kind());
+        let is_supported = is_supported && !offer.lacks(C::view_name(view), &case.kind());
         let outcome = outcome(expect, is_supported, self.response_kind());
         if outcome == Outcome::Unsupported {
             return verdict(outcome, "");
         }
-        if let Some(says) = self.undecoded_twin_reason() {
+        let is_image = |&twin: &usize| self.answers.is_image(twin);
+        let id = |twin: usize| self.answers.suite.cases[twin].id();
+        if let Some(says) = undecoded_twin_reason(self.twins, is_image, id) {
             return verdict(Outcome::Inconclusive, says);
         }
         match &observation.response {
@@ -205,22 +209,6 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
     }
 
-    /// If the case has twins and none was decoded, returns the reason why a refusal proves nothing.
-    fn undecoded_twin_reason(&self) -> Option<String> {
-        match self.twins {
-            [] => None,
-            twins if twins.iter().any(|&twin| self.answers.is_image(twin)) => None,
-            [first, others @ ..] => {
-                let id = self.answers.suite.cases[*first].id();
-                Some(if others.is_empty() {
-                    format!("its twin {id} was not decoded")
-                } else {
-                    format!("no legal file of its kind (such as {id}) was decoded")
-                })
-            }
-        }
-    }
-
     /// Returns the verdict on a wrong image, or on any image of a file that must be refused.
     fn wrong_image_verdict(&self, right: &RightDialects, difference: String) -> Verdict {
         let is_right = |&twin: &usize| self.answers.is_right(twin, self.dialect);
@@ -241,26 +229,53 @@ impl<C: TestCase> CaseFacts<'_, C> {
             (_, RightDialects::Depends { axes, .. }) => {
                 let mut dialects = C::CHOICES.combinations(axes).into_iter();
                 match dialects.find(|other| self.answers.is_right(self.index, other)) {
-                    Some(other) => fail(self.mixed_readings_text(axes, &other) + &difference),
+                    Some(other) => {
+                        let mixed = mixed_readings_text(&C::CHOICES, axes, self.dialect, &other);
+                        fail(mixed + &difference)
+                    }
                     None => fail(difference),
                 }
             }
             _ => fail(difference),
         }
     }
+}
 
-    /// Describes the readings that the decoder mixes. The answer is right in the `other` dialect.
-    fn mixed_readings_text(&self, axes: &[usize], other: &Dialect) -> String {
-        let differs = |&&axis: &&usize| other.0[axis] != self.dialect.0[axis];
-        let readings = axes.iter().filter(differs).map(|&axis| {
-            let choice = &C::CHOICES[axis];
-            let name = |dialect: &Dialect| choice.readings[dialect.0[axis]].0;
-            let (here, elsewhere) = (name(other), name(self.dialect));
-            format!("{}: {here} here, {elsewhere} elsewhere", choice.ruling)
-        });
-        let readings: Vec<String> = readings.collect();
-        format!("mixes readings ({}): ", readings.join("; "))
+/// If a case has twins and none was decoded, returns the reason why a refusal proves nothing.
+pub fn undecoded_twin_reason<'a>(
+    twins: &[usize],
+    is_decoded: impl Fn(&usize) -> bool,
+    id: impl Fn(usize) -> &'a str,
+) -> Option<String> {
+    let (&first, others) = twins.split_first()?;
+    if twins.iter().any(is_decoded) {
+        return None;
     }
+    let first = id(first);
+    Some(if others.is_empty() {
+        format!("its twin {first} was not decoded")
+    } else {
+        format!("no legal file of its kind (such as {first}) was decoded")
+    })
+}
+
+/// Describes the readings that a decoder mixes. The answer is right in the `other` dialect.
+#[must_use]
+pub fn mixed_readings_text<R>(
+    choices: &Choices<R>,
+    axes: &[Axis],
+    dialect: &Dialect,
+    other: &Dialect,
+) -> String {
+    let differs = |&&axis: &&Axis| other.0[axis] != dialect.0[axis];
+    let readings = axes.iter().filter(differs).map(|&axis| {
+        let choice = &choices[axis];
+        let name = |dialect: &Dialect| choice.readings[dialect.0[axis]].0;
+        let (here, elsewhere) = (name(other), name(dialect));
+        format!("{}: {here} here, {elsewhere} elsewhere", choice.ruling)
+    });
+    let readings: Vec<String> = readings.collect();
+    format!("mixes readings ({}): ", readings.join("; "))
 }
 
 /// Returns the unsupported and the decoded features. A feature is unsupported if none of its must-accept files was decoded and
@@ -268,7 +283,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
 fn features<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<ObservationOf<C>>],
-    offer: &Offer<C>,
+    offer: &Offer<C::Feature>,
 ) -> (BTreeSet<C::Feature>, BTreeSet<C::Feature>) {
     // For each feature, the number of files and the number answered with 69.
     let mut asked: BTreeMap<C::Feature, (usize, usize)> = BTreeMap::new();
@@ -289,7 +304,8 @@ fn features<C: TestCase>(
         let unsupported = matches!(observation.response, Response::Unsupported);
         for feature in case.features(&observation.view) {
             // A missing view proves nothing about the kind.
-            if unsupported && feature == kind && offer.lacks(&observation.view, &kind) {
+            if unsupported && feature == kind && offer.lacks(C::view_name(&observation.view), &kind)
+            {
                 continue;
             }
             let (all, answered) = asked.entry(feature.clone()).or_default();

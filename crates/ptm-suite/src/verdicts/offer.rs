@@ -1,25 +1,27 @@
 //! The offer of a decoder: its views, and the kinds of cases that it supports in each view.
 
 use std::collections::BTreeSet;
+use std::fmt::Display;
 
-use crate::cases::{Case, Expect};
+use crate::cases::Expect;
+use crate::features::Feature;
 use crate::test_case::TestCase;
 use crate::verdicts::observation::{ObservationOf, Response};
 
-/// The views and kinds of cases that a decoder offers.
+/// The views and kinds of cases that a decoder offers. `F` is the type of kinds.
 #[derive(Clone, Debug)]
-pub struct Offer<C: TestCase = Case> {
+pub struct Offer<F = Feature> {
     /// Offered views, in order of preference.
     pub views: Vec<&'static str>,
     /// Missing views, each with a kind of case that the decoder decodes only in other views.
-    pub missing_views: Vec<(&'static str, C::Feature)>,
+    pub missing_views: Vec<(&'static str, F)>,
     /// Kinds of cases for which every first file resulted in exit status 69 in every view.
-    pub unsupported: Vec<C::Feature>,
+    pub unsupported: Vec<F>,
     /// Names of the kinds of cases that the decoder declares.
     pub declared: Vec<String>,
 }
 
-impl<C: TestCase> Default for Offer<C> {
+impl<F> Default for Offer<F> {
     fn default() -> Self {
         Offer {
             views: Vec::new(),
@@ -30,29 +32,34 @@ impl<C: TestCase> Default for Offer<C> {
     }
 }
 
-impl<C: TestCase> Offer<C> {
+impl<F: PartialEq> Offer<F> {
     /// Returns true if the decoder decodes this kind of case only in views other than `view`.
     #[must_use]
-    pub fn lacks(&self, view: &C::View, kind: &C::Feature) -> bool {
+    pub fn lacks(&self, view: &str, kind: &F) -> bool {
         let mut lacking = self.missing_views.iter();
-        lacking.any(|(name, other)| *name == C::view_name(view) && other == kind)
+        lacking.any(|(name, other)| *name == view && other == kind)
     }
 
     /// Returns the first view of the case that is offered for this kind of case, or else the first that is offered at all.
-    pub fn chosen_view<'a>(&self, case: &'a C) -> Option<&'a C::View> {
+    pub fn chosen_view<'a, C: TestCase<Feature = F>>(&self, case: &'a C) -> Option<&'a C::View> {
         let offered = |view: &&C::View| self.views.contains(&C::view_name(view));
         let mut views = case.views().iter().filter(offered);
         let first = views.clone().next();
-        views.find(|view| !self.lacks(view, &case.kind())).or(first)
+        views
+            .find(|view| !self.lacks(C::view_name(view), &case.kind()))
+            .or(first)
     }
 
     /// Returns true if the case breaks the offer: its kind is declared but unsupported, and the answer to it was 69.
-    pub fn is_broken_by(
+    pub fn is_broken_by<C: TestCase<Feature = F>>(
         &self,
         case: &C,
         observation: &ObservationOf<C>,
-        unsupported: &BTreeSet<C::Feature>,
-    ) -> bool {
+        unsupported: &BTreeSet<F>,
+    ) -> bool
+    where
+        F: Display + Ord,
+    {
         matches!(observation.response, Response::Unsupported)
             && case.expect() == Expect::Decode
             && observation.nondeterminism.is_none()

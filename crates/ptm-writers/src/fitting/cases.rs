@@ -12,7 +12,7 @@ use ptm::Format;
 use ptm_harness::diagnose::Diagnosis;
 use ptm_harness::diagnose::cover::{CoverCandidate, cover};
 use ptm_harness::runner::write::Attachment;
-use ptm_harness::session::run::Run;
+use ptm_harness::session::run::RunOf;
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::name::SuiteName;
@@ -119,7 +119,7 @@ impl RequestValues for ImageSource {
 
     fn diagnose(
         suite: &Suite<FitCase>,
-        run: &Run<FitCase>,
+        run: &RunOf<FitCase>,
         _: usize,
     ) -> Vec<Diagnosis<&'static Misreading>> {
         let mut failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
