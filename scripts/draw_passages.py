@@ -42,7 +42,7 @@ def messages():
 
 def comments():
     """Yields doc comments with the line of code after them."""
-    for path in files("src/**/*.rs", "tests/it/**/*.rs"):
+    for path in files("src/**/*.rs", "crates/**/*.rs", "spec-cases/*.rs", "tests/it/**/*.rs"):
         lines = read_text(path).splitlines()
         at = 0
         while at < len(lines):

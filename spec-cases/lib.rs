@@ -44,7 +44,7 @@ pub const FORMULAS: &str = include_str!("formulas.yaml");
 /// Misreadings of the PTM specification.
 pub const MISREADINGS: &str = include_str!("misreadings.yaml");
 
-/// Messages of the program `probe`.
+/// Messages of the command `probe`.
 pub const PROBE: &str = include_str!("probe.yaml");
 
 /// Codes of `lint`.

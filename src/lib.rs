@@ -1,7 +1,7 @@
 //! The program `ptm-conform`: its commands, the forms of a report, and the website.
 //!
 //! The parts that other programs can use are crates of their own: `ptm` (the reference decoder), `ptm-generate`, `ptm-texture`,
-//! `ptm-suite`, `ptm-mistakes`, `ptm-harness`, `ptm-files` and `ptm-writers`.
+//! `ptm-suite`, `ptm-mistakes`, `ptm-harness`, `ptm-files`, `ptm-writers` and `ptm-spec-cases`.
 
 #[cfg(unix)]
 pub mod report;

@@ -1,7 +1,5 @@
 //! `ptm-conform check-writer`: runs a suite of requests, from first contact to the report and the likely causes.
 
-use ptm_writers::cases::load_writer_requests;
-use ptm_writers::fitting::cases::load_fitter_requests;
 use std::ffi::OsString;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -26,6 +24,8 @@ use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::request::Request;
 use ptm_writers::asking::{self, VALUES};
+use ptm_writers::cases::load_writer_requests;
+use ptm_writers::fitting::cases::load_fitter_requests;
 use ptm_writers::fitting::photographs::ImageSet;
 use ptm_writers::test_case::{FileCase, RequestValues, WriteView};
 

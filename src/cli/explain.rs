@@ -1,12 +1,13 @@
 //! `ptm-conform explain`: describes a case, clause, ruling, misreading or lint code, or lists all ids.
 
-use ptm_writers::cases::load_writer_requests;
 use std::collections::BTreeMap;
 #[cfg(unix)]
 use std::collections::HashMap;
 use std::fmt::Write as _;
 #[cfg(unix)]
 use std::time::Duration;
+
+use ptm_writers::cases::load_writer_requests;
 
 use clap::Args;
 

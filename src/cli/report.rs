@@ -1,7 +1,5 @@
 //! `ptm-conform report`: displays, compares, merges and converts existing reports.
 
-use ptm_writers::cases::load_writer_requests;
-use ptm_writers::fitting::cases::load_fitter_requests;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
@@ -17,6 +15,8 @@ use ptm_harness::report::{Report, suite_texts::SuiteTexts};
 use ptm_suite::cases::Suite;
 use ptm_suite::kit::escape_controls;
 use ptm_suite::name::SuiteName;
+use ptm_writers::cases::load_writer_requests;
+use ptm_writers::fitting::cases::load_fitter_requests;
 
 /// Show, compare, merge and convert reports of check.
 #[derive(Args)]

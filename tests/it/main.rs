@@ -1,4 +1,4 @@
-//! One binary for all integration tests; folders are named after the `src` modules that they test.
+//! One binary for all integration tests; folders are named after the crates and modules that they test.
 
 #[cfg(unix)]
 mod common;

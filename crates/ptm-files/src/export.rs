@@ -1,6 +1,5 @@
 //! Exports values to OpenEXR, NPY and PNG.
 
-use crate::error::Result;
 use std::io::Cursor;
 
 use exr::meta::attribute::{AttributeValue, Text};
@@ -10,6 +9,7 @@ use exr::prelude::{
 };
 use image::GrayImage;
 
+use crate::error::Result;
 use crate::join_texts;
 use ptm::{Ptm, Shape, Size, channel_name};
 

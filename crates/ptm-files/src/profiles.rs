@@ -3,7 +3,6 @@
 //! Unlike `corpus/`, which is for the tests of this repository, an exported corpus needs no protocol: a test loads a file,
 //! decodes it, and compares the result with an array. The same version and profile always produce the same bytes.
 
-use crate::error::{Error, Result};
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
@@ -13,6 +12,7 @@ use std::str::FromStr;
 use image::{DynamicImage, ImageFormat};
 use serde::Serialize;
 
+use crate::error::{Error, Result};
 use crate::export::{encode_exr, npy_bytes, npy_floats, stacked_planes};
 use crate::lint::codes::Code;
 use crate::render::{encode_image, rgb};

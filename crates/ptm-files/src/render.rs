@@ -1,12 +1,12 @@
 //! Renders a map under one light, under many lights, or as surface normals.
 
-use crate::error::{Error, Result};
 use std::io::Cursor;
 
 use image::codecs::jpeg::JpegEncoder;
 use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
 use image::{DynamicImage, GenericImageView, ImageFormat, Rgb, RgbImage, imageops};
 
+use crate::error::{Error, Result};
 use ptm::evaluate::Coefficients;
 use ptm::{Ptm, Shape, Size};
 

@@ -8,12 +8,12 @@
 //! If the reference can read the file, the repaired file has the same values. Nothing is repaired if the correction is ambiguous.
 //! For example, copying a file in text mode also changes payload bytes, which cannot be identified later.
 
-use crate::error::{Error, Result};
 use std::collections::HashSet;
 
 use super::dissection::{Dissection, FilePart, Role};
 use super::lint::Lint;
 use super::segments::{EOI, SegmentKind, segments};
+use crate::error::{Error, Result};
 use ptm::decode::decode;
 use ptm::{Format, Ptm};
 

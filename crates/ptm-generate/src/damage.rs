@@ -5,7 +5,6 @@
 //!
 //! Every edit replaces ranges of the undamaged file, so the order of the edits in a damage does not matter.
 
-use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
@@ -16,6 +15,7 @@ use super::place::{DamagePlace, NamedPlaces, Spot};
 use super::recipe::Recipe;
 use super::stand_in::StandIn;
 use super::{model::Model, output::GeneratedFile};
+use crate::error::{Error, Result};
 use ptm::{Coding, Format, Size};
 
 /// A named edit that damages a valid file.

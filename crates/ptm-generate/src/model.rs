@@ -2,12 +2,12 @@
 //!
 //! The values of a file are computed from the painted scene, not by decoding the file.
 
-use crate::error::{Error, Result};
 use std::collections::HashMap;
 
 use super::paint::{entry_of_texel, sample};
 use super::planes::{self, Compressed};
 use super::recipe::Recipe;
+use crate::error::{Error, Result};
 use ptm::{Format, Size};
 
 /// The values of a file.

@@ -1,10 +1,10 @@
 //! Places in a file, in the syntax of damages: `width`, `bias[5]`, `plane[last].da+7`, `file-1 row`.
 
-use crate::error::{Error, Result};
 use std::ops::Range;
 use std::str::FromStr;
 
 use super::{model::Model, output::GeneratedFile};
+use crate::error::{Error, Result};
 
 /// A place: a field or a part of it.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, serde::Deserialize)]

@@ -2,12 +2,12 @@
 
 #![allow(clippy::cast_possible_wrap, reason = "there are at most 18 planes")]
 
-use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::collections::HashSet;
 use std::str::FromStr;
 
 use super::predict::{INVERSION, MOTION};
+use crate::error::{Error, Result};
 use ptm::codec::{jpeg::JpegOptions, jpeg_ls::PresetParameters};
 use ptm::{Coding, Format, Size};
 

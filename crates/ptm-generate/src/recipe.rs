@@ -1,10 +1,10 @@
 //! Recipes for files: format, size, scene, numbers, spelling.
 
-use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::str::FromStr;
 
 use super::{plan::Compression, scene::Scene, spelling::Spelling};
+use crate::error::{Error, Result};
 use ptm::{Format, Size};
 
 /// `N` numbers, each with its spelling.

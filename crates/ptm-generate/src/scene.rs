@@ -1,7 +1,8 @@
 //! Painted scenes, by name.
 
-use crate::error::{Error, Result};
 use std::str::FromStr;
+
+use crate::error::{Error, Result};
 
 /// A pattern of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

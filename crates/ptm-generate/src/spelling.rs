@@ -1,7 +1,8 @@
 //! Spellings of a header: all legal spellings, including those that the text does not specify.
 
-use crate::error::{Error, Result};
 use std::str::FromStr;
+
+use crate::error::{Error, Result};
 
 /// A line of the header, named after the last item on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Deserialize)]

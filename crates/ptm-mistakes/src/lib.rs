@@ -64,10 +64,9 @@ mod answer;
 pub use crate::error::{Error, Result};
 pub use crate::formula::Stage;
 pub use anatomy::{Anatomy, EditedFile};
-pub use answer::answer;
-pub use answer::read;
-pub use answer::{apply_to_reading, render, unrounded_values};
-pub use answer::{formula_edits, plane_edits};
+pub use answer::{
+    answer, apply_to_reading, formula_edits, plane_edits, read, render, unrounded_values,
+};
 pub use catalog::{all, behaviors, find};
 pub use change::Change;
 pub use misreading::{Misreading, Sighting, Symptom};

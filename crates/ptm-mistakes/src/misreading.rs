@@ -1,6 +1,5 @@
 //! Records of misreadings.
 
-use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::fmt;
 
@@ -8,6 +7,7 @@ use serde::Deserialize;
 
 use super::change::Change;
 use super::step::Step;
+use crate::error::{Error, Result};
 use crate::formula::{Edit, Formula, Stage};
 use ptm_suite::kit::yaml;
 

@@ -2,12 +2,12 @@
 //!
 //! The mistakes are described in `spec-cases/writers/mistakes.yaml`. A mistake has the same slug and clause as its misreading.
 
-use crate::error::{Error, Result};
 use std::sync::LazyLock;
 
 use serde::Deserialize;
 
 use super::misreading::Misreading;
+use crate::error::{Error, Result};
 use ptm_suite::kit::yaml;
 
 /// A writer's mistake that corresponds to a misreading.

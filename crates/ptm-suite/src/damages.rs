@@ -1,8 +1,8 @@
 //! Ways to damage a file, from `spec-cases/damages.yaml`.
 
-use crate::error::{Error, Result};
 use std::sync::LazyLock;
 
+use crate::error::{Error, Result};
 use crate::kit::yaml::records;
 use ptm_generate::Damage;
 

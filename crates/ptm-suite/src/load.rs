@@ -2,11 +2,11 @@
 //!
 //! The files are embedded, so an installed program needs no checkout.
 
-use crate::error::{Error, Result};
 use std::collections::HashMap;
 
 use super::cases::{Case, Suite};
 use super::{record::CaseRecord, words::Words};
+use crate::error::{Error, Result};
 use crate::kit::yaml::records;
 
 impl Suite {

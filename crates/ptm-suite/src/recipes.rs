@@ -1,11 +1,11 @@
 //! Recipes as they are written in case files.
 
-use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
 use super::words::{Words, flag, number, numbers, word, yes_or_no};
+use crate::error::{Error, Result};
 use ptm::codec::jpeg_ls::PresetParameters;
 use ptm_generate::Recipe;
 use ptm_generate::plan::{Compression, Stream};

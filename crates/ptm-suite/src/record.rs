@@ -1,6 +1,5 @@
 //! Cases as they are written in case files.
 
-use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -9,6 +8,7 @@ use super::cases::{Case, Expect, Source};
 use super::values::{HandPiece, HandValues, format_of};
 use super::words::Words;
 use super::{damages, recipes::MakeRecord};
+use crate::error::{Error, Result};
 use crate::protocol::frame::View;
 use ptm::codec::Coding;
 use ptm_generate::{Model, Recipe, plan::Residuals, spelling::Count, write};

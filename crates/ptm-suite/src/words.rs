@@ -1,8 +1,9 @@
 //! Templates in case records: `{key}` stands for one of the words that `for_each` lists.
 
-use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::str::FromStr;
+
+use crate::error::{Error, Result};
 
 use serde::de::{DeserializeOwned, IntoDeserializer, value};
 

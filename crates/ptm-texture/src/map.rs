@@ -8,11 +8,11 @@
 //! - A texel with luminance L represents the color (L, L, L) (R-CMP-14).
 //! - Levels may have any size and are used as given. [`TextureMap::with_box_levels`] creates a conventional mipmap.
 
-use crate::error::Error;
 use std::fmt;
 use std::str::FromStr;
 
 use super::entry::{Color, enumerants};
+use crate::error::Error;
 
 enumerants! {
     /// Components of a texel.

@@ -7,7 +7,7 @@
 //! - **entry**, **index**: a row of the lookup table (2.5), and its number (2.8).
 //! - **`lu`, `lv`**: the light direction, projected onto the plane of the texture (1.0).
 //!
-//! In this library, rows are counted from the top, and columns from the left. Files store the bottom row first.
+//! In this crate, rows are counted from the top, and columns from the left. Files store the bottom row first.
 
 use std::fmt;
 use std::ops::Range;

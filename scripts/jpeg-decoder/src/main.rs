@@ -12,10 +12,9 @@ use std::env;
 use std::io::{self, Write};
 use std::process::ExitCode;
 
-use ptm_conform::Reading;
-use ptm_conform::misreadings::{self, Change, Misreading, Step, Symptom};
-use ptm_conform::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
-use ptm_conform::ptm::Coding;
+use ptm::{Coding, Reading};
+use ptm_mistakes::{Change, Misreading, Step, Symptom};
+use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
 
 fn main() -> ExitCode {
     let words: Vec<String> = env::args().collect();
@@ -60,7 +59,7 @@ fn answer(file: &[u8], view: &View) -> Answer {
                     .or_else(|error| {
                         eprintln!("plane {}: {error}", stream.plane);
                         // Any error refuses the file.
-                        ptm_conform::decode(&[]).map(|_| Vec::new())
+                        ptm::decode(&[]).map(|_| Vec::new())
                     })
             };
         }),

@@ -1,6 +1,5 @@
 //! Evidence for a failing case: texel values, images, bytes of the file, and a preview.
 
-use ptm_writers::test_case::{FileCase, RequestValues, wrong_file};
 use std::collections::HashMap;
 use std::ops::Range;
 
@@ -23,6 +22,7 @@ use ptm_suite::protocol::frame::{Frame, View, ViewKind};
 use ptm_suite::test_case::Listed;
 use ptm_suite::texture::cases::TextureCase;
 use ptm_suite::verdicts::observation::{Observation, ObservationOf, Response};
+use ptm_writers::test_case::{FileCase, RequestValues, wrong_file};
 
 /// What a page shows of a run, in addition to the report.
 pub struct Evidence<'a> {

@@ -1,4 +1,4 @@
-//! Tests the decoder on the corpus without using any other part of the library. `cargo mutants` runs this test.
+//! Tests the decoder on the corpus without any other crate. `cargo mutants` runs this test.
 //!
 //! `PTM_CORPUS` selects a different corpus, for example one with large files that `generate` wrote.
 

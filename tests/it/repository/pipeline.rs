@@ -1,4 +1,4 @@
-//! One pipeline: one function sends requests to a decoder and judges the answers. Texture questions have a pipeline of their own.
+//! One pipeline: one function judges a decoder on the cases of a suite. Texture questions have a pipeline of their own.
 //!
 //! These tests look at source code only. Requests need a `Session`, whose constructor is looked for, and verdicts need the function
 //! `judge`. A function that sends requests and compares the answers in a new way, without these, is not detected.

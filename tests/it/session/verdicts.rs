@@ -1,9 +1,9 @@
 //! Verdicts of a run: the table of outcomes, unsupported features, and limits.
 
-use ptm_conform::report::text::report_to_text;
 use std::time::Duration;
 
 use ptm::Format;
+use ptm_conform::report::text::report_to_text;
 use ptm_conform::report::{html, junit};
 use ptm_harness::pipeline::judge_answers;
 use ptm_harness::report::Report;

@@ -1,6 +1,5 @@
 //! Tests that the mistakes of writers are diagnosed with the catalog of misreadings.
 
-use ptm_writers::cases::load_writer_requests;
 use std::collections::HashMap;
 
 use ptm::Format;
@@ -12,6 +11,7 @@ use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{Reply, Request};
 use ptm_suite::verdicts::outcome::Outcome;
+use ptm_writers::cases::load_writer_requests;
 use ptm_writers::request::{RequestHeader, WriteRequest};
 use ptm_writers::test_case::{WriteView, WrittenFile};
 use ptm_writers::wrong_files::write_with_mistake;

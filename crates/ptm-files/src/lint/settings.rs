@@ -1,12 +1,12 @@
 //! Settings that select findings: codes to ignore, codes to report exclusively, severities, and a maximum number.
 
-use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
 use super::Lint;
 use super::codes::{Code, Severity};
+use crate::error::{Error, Result};
 
 /// Selection of findings, from options and configuration files.
 #[derive(Clone, Debug, Default, Deserialize)]

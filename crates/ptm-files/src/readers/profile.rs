@@ -1,11 +1,11 @@
 //! Profiles of readers.
 
-use crate::error::{Error, Result};
 use std::sync::LazyLock;
 
 use serde::Deserialize;
 
 use super::limits::Limit;
+use crate::error::{Error, Result};
 use ptm::Format;
 use ptm_mistakes::Misreading;
 use ptm_suite::kit::yaml;

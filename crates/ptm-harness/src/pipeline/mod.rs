@@ -1,6 +1,8 @@
 //! Runs a check, from first contact with a decoder to the final report.
 //!
-//! [`check`] is the only function that sends requests to a decoder and judges the answers:
+//! [`check`] is the only function that judges a decoder on the cases of a suite. (`probe`, `check --files` and `minimize` compare single
+//! answers with the reference.)
+//!
 //!
 //! 1. First contact: what the decoder offers, faults of its wrapper, and transforms that all images have in common.
 //! 2. Requests: the prioritized cases, a first search for causes among them, and the other cases.

@@ -21,7 +21,7 @@ const MIN_REPEATED: usize = 24;
 /// Observations, one slot per case of the suite; `None` for cases that were not requested.
 type Slots<V, T, D> = [Option<Observation<V, T, D>>];
 
-/// A callback for each finished case. It receives the case, its observation, the number of finished cases, and the total.
+/// A callback for each finished case. It receives the number of the case, its observation, the number of finished cases, and the total.
 pub(super) type Finished<'a, V, T, D> =
     dyn Fn(usize, &Observation<V, T, D>, usize, usize) + Sync + 'a;
 

@@ -9,9 +9,10 @@
 //! Values are real numbers. `mod` is never negative, and `floor` rounds toward minus infinity. An element outside its
 //! list and a division of zero by zero evaluate to NaN.
 
-use crate::error::{Error, Result};
 use std::iter::Peekable;
 use std::str::Chars;
+
+use crate::error::{Error, Result};
 
 /// Names that an expression may use: variables and lists. Expressions refer to them by index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

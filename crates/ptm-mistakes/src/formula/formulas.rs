@@ -1,11 +1,11 @@
 //! The formulas of the specification (`spec-cases/formulas.yaml`), with the names that each formula may use.
 
-use crate::error::{Error, Result};
 use std::sync::LazyLock;
 
 use serde::Deserialize;
 
 use super::expression::{Expression, Scope, parse};
+use crate::error::{Error, Result};
 use ptm::Format;
 use ptm_suite::kit::yaml;
 

@@ -3,7 +3,6 @@
 //! A file is parsed into a tree of nodes with line numbers, and records are deserialized from the tree, so that every
 //! error names its line. Size and depth are limited. Anchors, aliases and tags are rejected.
 
-use crate::error::{Error, Result};
 use std::collections::HashSet;
 use std::fmt;
 use std::fs::File;
@@ -16,6 +15,7 @@ use serde::de::value::{MapAccessDeserializer, MapDeserializer, SeqDeserializer};
 use serde::de::{self, DeserializeOwned, Deserializer, IntoDeserializer, Unexpected, Visitor};
 use serde::forward_to_deserialize_any;
 
+use crate::error::{Error, Result};
 use crate::kit::strip_os_error_code;
 
 /// Maximum size of a file in bytes. Large enough for about 200,000 cases.

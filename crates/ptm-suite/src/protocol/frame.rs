@@ -8,7 +8,6 @@
 //!
 //! The samples follow texel by texel, top row first; `f32` is little-endian. Exit status: 0, 65 (malformed), 69 (unsupported).
 
-use crate::error::{Error, Result};
 use std::borrow::Cow;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -20,6 +19,7 @@ use data_encoding::HEXLOWER;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use crate::error::{Error, Result};
 use ptm::decode::StoredMap;
 use ptm::error::byte_count;
 use ptm::evaluate::{compute_coefficients, evaluate};

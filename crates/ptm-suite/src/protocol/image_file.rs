@@ -7,13 +7,13 @@
 //! subsampling, so that each sample is close to the one that was saved. A coarser JPEG or a lossy WebP does not determine
 //! individual texels.
 
-use crate::error::{Error, Result};
 use std::io::Cursor;
 use std::panic::catch_unwind;
 
 use image::codecs::pnm::{PnmDecoder, PnmSubtype};
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
+use crate::error::{Error, Result};
 use crate::protocol::frame::{Frame, Samples, ViewKind};
 use ptm::codec::markers;
 

@@ -3,7 +3,6 @@
 //! A question is `{"op": …, "given": {…}}`. Each op is one step of the pipeline, or the whole pipeline (`stage`). A missing field
 //! of an entry has its fallback value. Enumerants are written as in the chapter, but without their prefixes.
 
-use crate::error::{Error, Result};
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -12,6 +11,7 @@ use serde::Deserialize;
 use serde::de::Error as _;
 use serde_json::{Map, Value, json};
 
+use crate::error::{Error, Result};
 use crate::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED};
 use ptm_texture::{
     Boundary, Color, Correction, Entry, Footprint, Frequency, Interpolation, Level, LitPrimitive,
