@@ -155,7 +155,7 @@ fn hostile_reports_are_refused_with_a_line() {
         assert_contains(&output, says);
         assert!(output.len() < 2000, "{output}");
     }
-    for (status, field) in [(1, "  command: "), (2, "verdict: ")] {
+    for (status, field) in [(1, "reading: "), (2, "verdict: ")] {
         let escapes = format!("{field}\"\\e]0;x\\a\" # ");
         here.write("escapes.yaml", old.replacen(field, &escapes, 1));
         let output = here.exits(status, "report diff escapes.yaml old.yaml");
