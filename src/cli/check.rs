@@ -14,7 +14,7 @@ use super::subject::{Answers, NamedDecoder, decoder_for_command};
 use super::terminal::print_styled;
 use super::{CommandResult, own_files};
 use crate::report::html::{self, Evidence};
-use ptm_harness::pipeline::explain::find_misreadings;
+use ptm_harness::pipeline::checkable::find_misreadings;
 use ptm_harness::pipeline::subject::{OneShot, Program, RunningProgram, Subject};
 use ptm_harness::pipeline::texture::TextureCheck;
 use ptm_harness::pipeline::{self, Check, Checked};

@@ -10,7 +10,7 @@ use crate::fault::WriterFault;
 use ptm::decode::decode;
 use ptm::{Format, Size};
 use ptm_harness::diagnose::Diagnosis;
-use ptm_harness::pipeline::{Explain, FoundCauses};
+use ptm_harness::pipeline::{Checkable, FoundCauses};
 use ptm_harness::runner::write::Attachment;
 use ptm_harness::session::run::RunOf;
 use ptm_mistakes::Misreading;
@@ -253,7 +253,7 @@ impl<V: RequestValues> TestCase for FileCase<V> {
     }
 }
 
-impl<V: RequestValues> Explain for FileCase<V> {
+impl<V: RequestValues> Checkable for FileCase<V> {
     fn find_causes(
         suite: &Suite<FileCase<V>>,
         run: &RunOf<FileCase<V>>,

@@ -14,7 +14,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 
 use crate::pipeline::texture::{self, TextureCheck};
-use crate::pipeline::{Check, Checked, Explain, Observer, Subject, check};
+use crate::pipeline::{Check, Checkable, Checked, Observer, Subject, check};
 use crate::report::document::Report;
 use crate::report::shards::{self, AnswerRecord, OtherRemarks, RecordedAnswer, Shard, Trailer};
 use crate::session::texture::TextureRun;
@@ -76,7 +76,7 @@ impl<T: Output> RecordedAnswers<T> {
     ///
     /// # Errors
     /// Returns a message if the whole run needs a request that no part sent.
-    pub fn merge<C: Explain<Output = T>>(
+    pub fn merge<C: Checkable<Output = T>>(
         &self,
         suite: &Suite<C>,
         jobs: usize,

@@ -12,7 +12,7 @@
 //!
 //! The decoder is a [`Subject`]: a program, a function or a recording. An [`Observer`] learns what happens.
 
-pub mod explain;
+pub mod checkable;
 pub mod merge;
 pub mod observer;
 #[cfg(test)]
@@ -31,7 +31,7 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::time::{Duration, Instant};
 
-pub use explain::{Explain, FoundCauses};
+pub use checkable::{Checkable, FoundCauses};
 pub use observer::{Agenda, FinishedCase, FirstCauses, Observer, Stage};
 pub use subject::Subject;
 
@@ -59,7 +59,7 @@ const MIN_OTHER_CASES: usize = 200;
 const MIN_SEARCH_TIME: Duration = Duration::from_secs(2);
 
 /// What is checked, and how far.
-pub struct Check<'a, C: Explain = Case> {
+pub struct Check<'a, C: Checkable = Case> {
     /// The suite.
     pub suite: &'a Suite<C>,
     /// The selected cases and the options of the run.
@@ -76,7 +76,7 @@ pub struct Check<'a, C: Explain = Case> {
     pub recorder: Option<ShardRecorder<C::Output>>,
 }
 
-impl<'a, C: Explain> Check<'a, C> {
+impl<'a, C: Checkable> Check<'a, C> {
     /// Creates a whole check.
     #[must_use]
     pub fn new(suite: &'a Suite<C>, plan: &'a RunPlan) -> Check<'a, C> {
@@ -103,7 +103,7 @@ impl<'a, C: Explain> Check<'a, C> {
 }
 
 /// The results of a check.
-pub struct Checked<C: Explain = Case> {
+pub struct Checked<C: Checkable = Case> {
     /// Observations and verdicts.
     pub run: RunOf<C>,
     /// The report.
@@ -144,7 +144,7 @@ impl std::error::Error for Error {}
 ///
 /// # Errors
 /// Returns an error if an assumed misreading is unknown, if the subject has trouble, or if the observer or the recorder returns one.
-pub fn check<C: Explain>(
+pub fn check<C: Checkable>(
     check: &Check<C>,
     subject: &dyn Subject<C::View, C::Output>,
     observer: &dyn Observer,
@@ -228,7 +228,7 @@ pub fn check<C: Explain>(
 }
 
 /// Judges all answers of a function as they are, and searches for no causes.
-pub fn judge_answers<C: Explain>(
+pub fn judge_answers<C: Checkable>(
     suite: &Suite<C>,
     plan: &RunPlan,
     decoder: &DecoderFn<C>,
@@ -261,7 +261,7 @@ fn add_faults<V, T, F>(contact: &mut Contact<V, T, F>, faults: &[ProbeStep], adv
 
 /// Requests all cases. If there are enough of them, requests the prioritized cases first and searches these for causes. `pace` is
 /// the time per request so far.
-fn request_cases<C: Explain>(
+fn request_cases<C: Checkable>(
     check: &Check<C>,
     session: &Session<C>,
     contact: &ContactOf<C>,
@@ -349,7 +349,7 @@ fn run_with_time_limit<T>(
 }
 
 /// Returns the report of a run with all verdicts, but without causes.
-fn report_verdicts<C: Explain>(
+fn report_verdicts<C: Checkable>(
     check: &Check<C>,
     run: &mut RunOf<C>,
     remarks: &OtherRemarks,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
-use crate::pipeline::explain::FoundCauses;
+use crate::pipeline::checkable::FoundCauses;
 use crate::report::document::{LikelyCause, Report};
 
 /// A stage of a check, in order. Stages without work may be missing.

@@ -7,7 +7,7 @@ use std::sync::atomic::Ordering;
 use serde_json::Value;
 
 use crate::diagnose;
-use crate::pipeline::explain::FoundCauses;
+use crate::pipeline::checkable::FoundCauses;
 use crate::pipeline::observer::{FinishedCase, Observer, Stage};
 use crate::pipeline::recorder::ShardRecorder;
 use crate::pipeline::subject::Subject;

@@ -46,8 +46,8 @@ impl FoundCauses {
     }
 }
 
-/// Case type whose failures can be explained.
-pub trait Explain: TestCase {
+/// Case type of a suite that the pipeline can check: what differs between suites, with defaults that do nothing.
+pub trait Checkable: TestCase {
     /// Returns faults in the wrapper of a program, found with additional requests after first contact.
     #[must_use]
     fn wrapper_faults(
@@ -113,7 +113,7 @@ pub fn find_misreadings(slugs: &[String]) -> Result<Vec<&'static Misreading>, St
         .collect()
 }
 
-impl Explain for Case {
+impl Checkable for Case {
     fn wrapper_faults(
         program: Program,
         suite: &Suite,
