@@ -125,7 +125,7 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         scene: scene.as_ref(),
         ..Evidence::new(&suite, &run, html::case_evidence)
     };
-    let status = display.finish(&run, report, &evidence)?;
+    let status = display.finish(run.ending(), report, &evidence)?;
     print_commands(args, &faults);
     Ok(status)
 }
@@ -191,7 +191,7 @@ fn check_stage(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     let display = Display::new(writer, None)?;
     let (run, report) = pipeline::texture::check(&check, &stage, &display)?;
     let evidence = Evidence::new(&suite, &run, html::question_evidence);
-    Ok(display.finish(&run, report, &evidence)?)
+    Ok(display.finish(run.ending(), report, &evidence)?)
 }
 
 /// Returns an error if an option does not apply to texture questions.

@@ -138,7 +138,7 @@ fn check<V: RequestValues>(
     let display = Display::new(report_writer, None)?;
     let Checked { run, report, .. } = pipeline::check(&check, &subject, &display)?;
     let evidence = Evidence::new(suite, &run, html::file_evidence);
-    Ok(display.finish(&run, report, &evidence)?)
+    Ok(display.finish(run.ending(), report, &evidence)?)
 }
 
 impl CheckWriterArgs {

@@ -13,7 +13,7 @@ use crate::report::html::Evidence;
 use crate::report::text::first_causes_to_text;
 use ptm_harness::pipeline::{Agenda, FinishedCase, FirstCauses, FoundCauses, Observer, Stage};
 use ptm_harness::report::document::Report;
-use ptm_harness::session::run::Run;
+use ptm_harness::session::run::Ending;
 
 /// Minimum estimated duration of a run. Shorter estimates are not announced.
 const MIN_ANNOUNCED_TIME: Duration = Duration::from_secs(60);
@@ -47,14 +47,9 @@ impl<'a> Display<'a> {
     }
 
     /// Ends the display, and writes and prints the report in all requested formats. Returns the exit status.
-    pub fn finish<V, T, D, F: Ord>(
-        self,
-        run: &Run<V, T, D, F>,
-        report: Report,
-        evidence: &Evidence,
-    ) -> Result<u8, String> {
+    pub fn finish(self, ending: Ending, report: Report, evidence: &Evidence) -> Result<u8, String> {
         drop(self.progress);
-        let status = self.writer.finish(run, report, evidence)?;
+        let status = self.writer.finish(ending, report, evidence)?;
         let _ = fs::remove_file(self.partial.0);
         Ok(status)
     }

@@ -13,7 +13,7 @@ use crate::report::html::{self, Evidence};
 use crate::report::{github, junit, text};
 use ptm_harness::report::suite_texts::SuiteTexts;
 use ptm_harness::report::{Report, baseline::Baseline, document::BaselineComparison};
-use ptm_harness::session::run::Run;
+use ptm_harness::session::run::Ending;
 use ptm_suite::{cases::Suite, test_case::Listed};
 
 /// Options for other output formats and for lists of known failures.
@@ -109,15 +109,15 @@ impl<'a> ReportWriter<'a> {
         write_atomically(self.path, text?)
     }
 
-    /// Writes and prints the report on `run` in all requested formats. Returns the exit status.
-    pub fn finish<V, T, D, F: Ord>(
+    /// Writes and prints the report on a run in all requested formats. Returns the exit status.
+    pub fn finish(
         &self,
-        run: &Run<V, T, D, F>,
+        ending: Ending,
         mut report: Report,
         evidence: &Evidence,
     ) -> Result<u8, String> {
         self.write(&mut report)?;
-        if let Some(why) = &run.ended_early {
+        if let Some(why) = &ending.ended_early {
             print_error(&format!("ptm-conform: {why}"));
         }
         let text = text::report_to_text(&report, &self.texts, self.args.show);
@@ -132,13 +132,13 @@ impl<'a> ReportWriter<'a> {
             print(&format!("page: {}\n", path.display()));
         }
         self.write_other_formats(&report)?;
-        let is_complete = run.ended_early.is_none() && run.not_a_decoder.is_none();
-        self.write_baseline(&report, is_complete)?;
+        self.write_baseline(&report, ending.is_complete())?;
         let Some(comparison) = &report.baseline else {
-            return Ok(run.exit_status());
+            return Ok(ending.exit_status());
         };
         print_comparison(comparison);
-        Ok(match run.status(!comparison.new.is_empty()) {
+        let ending = ending.with_failing_case(!comparison.new.is_empty());
+        Ok(match ending.exit_status() {
             0 if !comparison.stale.is_empty() => 4,
             status => status,
         })

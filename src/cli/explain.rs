@@ -7,8 +7,6 @@ use std::fmt::Write as _;
 #[cfg(unix)]
 use std::time::Duration;
 
-use ptm_writers::cases::load_writer_requests;
-
 use clap::Args;
 
 #[cfg(unix)]
@@ -31,6 +29,8 @@ use ptm_suite::texture::cases as texture;
 #[cfg(unix)]
 use ptm_suite::verdicts::outcome::Outcome;
 use ptm_suite::{name::SuiteName, test_case::Listed};
+#[cfg(unix)]
+use ptm_writers::cases::load_writer_requests;
 
 /// Explain a case, a clause, a ruling, a misreading, a lint code or a public reader.
 #[derive(Args)]

@@ -195,7 +195,7 @@ fn merge(args: &MergeArgs) -> CommandResult {
         answers.merge(&suite, jobs, &MergeProgress(progress))
     })?;
     let evidence = Evidence::new(&suite, &run, html::case_evidence);
-    Ok(writer.finish(&run, report, &evidence)?)
+    Ok(writer.finish(run.ending(), report, &evidence)?)
 }
 
 /// Merges the parts of a run of a texture stage.
@@ -208,7 +208,7 @@ fn merge_texture(args: &MergeArgs) -> CommandResult {
         answers.merge_texture(&suite, jobs, &MergeProgress(progress))
     })?;
     let evidence = Evidence::new(&suite, &run, html::question_evidence);
-    Ok(writer.finish(&run, report, &evidence)?)
+    Ok(writer.finish(run.ending(), report, &evidence)?)
 }
 
 /// Shows the number of replayed cases.

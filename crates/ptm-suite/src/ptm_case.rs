@@ -55,7 +55,6 @@ impl TestCase for Case {
     type View = View;
     type Output = Frame;
     type Difference = Difference;
-    type Feature = Feature;
     type Built = Arc<Built>;
     type Decisions = Reading;
 

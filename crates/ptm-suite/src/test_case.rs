@@ -12,6 +12,7 @@ use serde::de::DeserializeOwned;
 use crate::cases::{Expect, Suite, TableSpelling};
 use crate::compare::FlatBlocks;
 use crate::dialect::{Choices, Dialect, RightDialects};
+use crate::features::Feature;
 use crate::name::SuiteName;
 
 /// A case of any suite, as commands and reports list it.
@@ -44,8 +45,6 @@ pub trait TestCase: Listed + Clone + Debug + Send + Sync + 'static {
     type Output: Output;
     /// Difference between an output and the expected one.
     type Difference: Clone + Debug + Display + Send + Sync;
-    /// A feature that a decoder may lack.
-    type Feature: Clone + Debug + Display + Ord + Send + Sync;
     /// The file that is sent, with its values.
     type Built;
     /// Decisions that depend on how open questions are read.
@@ -75,23 +74,13 @@ pub trait TestCase: Listed + Clone + Debug + Send + Sync + 'static {
     fn view_name(_view: &Self::View) -> &'static str {
         Self::VIEWS[0]
     }
-    /// Returns the kind of the case, which a decoder may declare: the format, or the requested step.
-    fn kind(&self) -> Self::Feature;
+    /// Returns the kind of the case, which a decoder may declare: the format.
+    fn kind(&self) -> Feature;
     /// Returns the features that a decoder needs for this case in `view`.
-    fn features(&self, _view: &Self::View) -> BTreeSet<Self::Feature> {
-        BTreeSet::from([self.kind()])
-    }
+    fn features(&self, view: &Self::View) -> BTreeSet<Feature>;
     /// Returns, for each case of a suite, the must-accept cases on which it depends: if none of them is decoded, a refusal proves
-    /// nothing. By default, a case that must be refused depends on all must-accept cases of its kind.
-    fn twins(cases: &[Self]) -> Vec<Vec<usize>> {
-        let refused = |case: &Self| matches!(case.expect(), Expect::Reject | Expect::Refuse);
-        let twins = |case: &Self| -> Vec<usize> {
-            let is_twin = |&i: &usize| !refused(&cases[i]) && cases[i].kind() == case.kind();
-            let indices = (0..cases.len()).filter(|_| refused(case));
-            indices.filter(is_twin).collect()
-        };
-        cases.iter().map(twins).collect()
-    }
+    /// nothing.
+    fn twins(cases: &[Self]) -> Vec<Vec<usize>>;
 
     /// Returns true if the file has a table. Tables are sent in a spelling that the decoder supports.
     fn has_table(&self) -> bool {
@@ -174,7 +163,7 @@ pub enum Allowance {
 impl<C: TestCase> Suite<C> {
     /// Returns the features that a decoder may need for a case, in any of its views.
     #[must_use]
-    pub fn features(&self, case: usize) -> BTreeSet<C::Feature> {
+    pub fn features(&self, case: usize) -> BTreeSet<Feature> {
         let case = &self.cases[case];
         let views = case.views().iter();
         views.flat_map(|view| case.features(view)).collect()

@@ -179,7 +179,6 @@ impl<V: RequestValues> TestCase for FileCase<V> {
     type View = WriteView;
     type Output = WrittenFile;
     type Difference = WriterFault;
-    type Feature = Feature;
     type Built = BuiltRequest<V::Request>;
     type Decisions = ();
 
@@ -209,6 +208,20 @@ impl<V: RequestValues> TestCase for FileCase<V> {
         let is_large = self.values.entries().is_some_and(|entries| entries > 256);
         let large = is_large.then_some(Feature::LargeTables);
         [self.kind()].into_iter().chain(large).collect()
+    }
+
+    /// A case that must be refused depends on all other cases of its format.
+    fn twins(cases: &[FileCase<V>]) -> Vec<Vec<usize>> {
+        let is_refused = |case: &FileCase<V>| case.expect == Expect::Refuse;
+        let is_twin = |one: &FileCase<V>, of: &FileCase<V>| {
+            is_refused(of) && !is_refused(one) && one.format == of.format
+        };
+        let twins = |case: &FileCase<V>| -> Vec<usize> {
+            (0..cases.len())
+                .filter(|&i| is_twin(&cases[i], case))
+                .collect()
+        };
+        cases.iter().map(twins).collect()
     }
 
     fn make(&self, _: TableSpelling) -> BuiltRequest<V::Request> {

@@ -4,8 +4,9 @@
 
 use std::sync::Mutex;
 
+use ptm_harness::pipeline::texture::TextureCheck;
 use ptm_harness::pipeline::{
-    Agenda, Check, Error, FinishedCase, FirstCauses, FoundCauses, Observer, Stage, check,
+    self, Agenda, Check, Error, FinishedCase, FirstCauses, FoundCauses, Observer, Stage, check,
 };
 use ptm_harness::report::Report;
 use ptm_harness::report::document::LikelyCause;
@@ -13,7 +14,9 @@ use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_harness::strength::smoke;
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::request::{Reply, Request};
+use ptm_suite::texture::cases::TextureView;
 use ptm_suite::verdicts::outcome::Outcome;
+use ptm_texture::Rules;
 
 use crate::in_process::{answer_with, jobs, misreading, suite_of_small_files};
 
@@ -171,6 +174,35 @@ fn common_transforms_are_undone_unless_all_answers_are_judged_as_they_are() {
     assert_eq!(events.last().map(String::as_str), Some("verdicts"));
     let failures = |report: &Report| report.with_outcome(Outcome::Fail).count();
     assert!(failures(&as_they_are.report) > 2 * failures(&undone.report));
+}
+
+#[test]
+fn texture_stages_are_checked_in_the_same_order() {
+    let suite = Suite::load_texture().expect("the suite loads");
+    let plan = RunPlan::new(&suite, jobs());
+    let mistake = ptm_mistakes::texture::all().next().expect("a misreading");
+    let rules = mistake.apply_to(Rules::SPEC);
+    let stage = |request: &Request<'_, TextureView>, _: usize| {
+        let case = suite.case(request.name).expect("the case exists");
+        Reply::from(case.answer(&rules))
+    };
+    let log = Log::default();
+    let check = TextureCheck::new(&suite, &plan);
+    let (run, report) = pipeline::texture::check(&check, &stage, &log).expect("a verdict");
+    assert_eq!(run.exit_status(), 1);
+    assert_eq!(report.diagnoses[0].name(), mistake.slug);
+    let expected = [
+        "first contact:",
+        "offers texture; undone in []",
+        "cases:",
+        "case",
+        "repeats:",
+        "report:",
+        "verdicts",
+        "search:",
+        &format!("causes: {}", mistake.slug),
+    ];
+    assert_eq!(log.events(), expected);
 }
 
 #[test]

@@ -80,8 +80,7 @@ impl Contact {
 }
 
 /// First contact with a decoder of a suite of cases.
-pub type ContactOf<C> =
-    Contact<<C as TestCase>::View, <C as TestCase>::Output, <C as TestCase>::Feature>;
+pub type ContactOf<C> = Contact<<C as TestCase>::View, <C as TestCase>::Output>;
 
 /// The result of first contact: facts about a decoder that are known before any case is judged.
 #[derive(Clone, Debug)]
@@ -319,11 +318,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Returns the offer of the decoder. A view is offered if the decoder decoded a first file in it. An offered view is missing
     /// for a kind of case if the decoder exited with 69 for all requested files of that kind in that view, but not in every view.
-    fn derive_offer(
-        &self,
-        first: &[FirstFileOf<C>],
-        remarks: &mut Vec<Remark>,
-    ) -> Offer<C::Feature> {
+    fn derive_offer(&self, first: &[FirstFileOf<C>], remarks: &mut Vec<Remark>) -> Offer {
         let (suite, plan) = (self.suite, self.plan);
         let declares = |view: &str| {
             plan.declared_views
@@ -337,7 +332,7 @@ impl<C: TestCase> Session<'_, C> {
         };
         let is_decoded = first.iter().any(FirstFile::is_decoded);
         // Returns true if a first file in this view (and of this kind, if one is given) was answered with anything but 69.
-        let answered = |view: &str, kind: Option<&C::Feature>| {
+        let answered = |view: &str, kind: Option<&Feature>| {
             first.iter().any(|first| {
                 C::view_name(&first.view) == view
                     && kind.is_none_or(|kind| suite.cases[first.case].kind() == *kind)
@@ -369,7 +364,7 @@ impl<C: TestCase> Session<'_, C> {
             return offer;
         }
         let kinds = suite.cases.iter().filter(|case| case.is_first());
-        let kinds: BTreeSet<C::Feature> = kinds.map(C::kind).collect();
+        let kinds: BTreeSet<Feature> = kinds.map(C::kind).collect();
         for kind in kinds {
             let has = |view: &&str| answered(view, Some(&kind));
             if !offer.views.iter().any(has) {
@@ -395,7 +390,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Requests a few other cases of this kind in this view. Returns true if any response is not exit status 69.
-    fn answers_other_case(&self, view: &str, kind: &C::Feature) -> bool {
+    fn answers_other_case(&self, view: &str, kind: &Feature) -> bool {
         let is_other =
             |case: &&C| case.expect() == Expect::Decode && !case.is_first() && case.kind() == *kind;
         let others = self.suite.cases.iter().filter(is_other).filter_map(|case| {
@@ -409,7 +404,7 @@ impl<C: TestCase> Session<'_, C> {
     }
 
     /// Returns the first table spelling that the decoder reads correctly.
-    pub(super) fn table_spelling(&self, offer: &Offer<C::Feature>) -> Option<TableSpelling> {
+    pub(super) fn table_spelling(&self, offer: &Offer) -> Option<TableSpelling> {
         let cases = self.suite.cases.iter().enumerate();
         let mut asked = cases.filter(|&(i, _)| self.plan.is_requested(i));
         asked.find_map(|(_, case)| {
@@ -423,7 +418,7 @@ impl<C: TestCase> Session<'_, C> {
 
     /// Returns the table spelling in which the decoder reads small tables best, or `None` if the evidence is weak. This is for
     /// decoders that read no `spelling` case correctly.
-    pub(super) fn likely_spelling(&self, offer: &Offer<C::Feature>) -> Option<TableSpelling> {
+    pub(super) fn likely_spelling(&self, offer: &Offer) -> Option<TableSpelling> {
         const PROBES: usize = 4;
         if self.plan.precomputed {
             return None;

@@ -22,12 +22,8 @@ use ptm_suite::verdicts::{offer::Offer, outcome::Outcome};
 use ptm_suite::{features::Feature, test_case::TestCase};
 
 /// The results of a run of a suite of cases.
-pub type RunOf<C> = Run<
-    <C as TestCase>::View,
-    <C as TestCase>::Output,
-    <C as TestCase>::Difference,
-    <C as TestCase>::Feature,
->;
+pub type RunOf<C> =
+    Run<<C as TestCase>::View, <C as TestCase>::Output, <C as TestCase>::Difference>;
 
 /// The results of a run. The parameters are the types of views, outputs, differences and features.
 #[derive(Clone, Debug)]
@@ -187,7 +183,7 @@ impl<C: TestCase> Session<'_, C> {
     fn cases_to_repeat(
         &self,
         observations: &[Option<ObservationOf<C>>],
-        judgment: &Judgment<C::Feature>,
+        judgment: &Judgment,
     ) -> Vec<usize> {
         let cases = &self.suite.cases;
         let is_wanted = |&i: &usize| {
@@ -217,7 +213,7 @@ impl<C: TestCase> Session<'_, C> {
         &self,
         contact: ContactOf<C>,
         observations: ObservationsOf<C>,
-        judgment: Judgment<C::Feature>,
+        judgment: Judgment,
     ) -> RunOf<C> {
         Run {
             observations,
@@ -340,23 +336,61 @@ impl<V, T, D, F: Ord> Run<V, T, D, F> {
     /// Returns the exit status of `check`: 0, 1 or 3.
     #[must_use]
     pub fn exit_status(&self) -> u8 {
-        self.status(self.judgment.with_outcome(Outcome::Fail).next().is_some())
+        self.ending().exit_status()
     }
 
-    /// Returns the exit status of a run in which some failures may be ignored. `failed` is true if the run has a failure that is
-    /// not ignored.
+    /// Returns how the run ended.
     #[must_use]
-    pub fn status(&self, failed: bool) -> u8 {
-        if self.not_a_decoder.is_some() {
-            return 3;
-        }
+    pub fn ending(&self) -> Ending {
         let is_image =
             |seen: &Observation<V, T, D>| matches!(seen.response, Response::Image { .. });
-        u8::from(
-            failed
-                || self.ended_early.is_some()
+        Ending {
+            is_decoder: self.not_a_decoder.is_none(),
+            ended_early: self.ended_early.clone(),
+            fails_as_a_whole: self.ended_early.is_some()
                 || self.remarks.iter().any(|remark| remark.failure)
                 || !self.observations.iter().flatten().any(is_image),
-        )
+            has_failing_case: self.judgment.with_outcome(Outcome::Fail).next().is_some(),
+        }
+    }
+}
+
+/// How a run ended. The exit status depends on it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Ending {
+    /// True if the program is a decoder.
+    pub is_decoder: bool,
+    /// The reason why the run ended before all cases were requested, if it did.
+    pub ended_early: Option<String>,
+    /// True if the run fails even if no case does.
+    pub fails_as_a_whole: bool,
+    /// True if a case fails.
+    pub has_failing_case: bool,
+}
+
+impl Ending {
+    /// Returns true if all selected cases were requested.
+    #[must_use]
+    pub fn is_complete(&self) -> bool {
+        self.is_decoder && self.ended_early.is_none()
+    }
+
+    /// Returns the exit status of `check`: 0, 1 or 3.
+    #[must_use]
+    pub fn exit_status(&self) -> u8 {
+        if self.is_decoder {
+            u8::from(self.has_failing_case || self.fails_as_a_whole)
+        } else {
+            3
+        }
+    }
+
+    /// Returns the ending of a run in which some failures are ignored. `has_failing_case` is true if other cases fail.
+    #[must_use]
+    pub fn with_failing_case(self, has_failing_case: bool) -> Ending {
+        Ending {
+            has_failing_case,
+            ..self
+        }
     }
 }

@@ -44,8 +44,8 @@ pub fn judge<C: TestCase>(
     suite: &Suite<C>,
     selected: &[bool],
     observations: &[Option<ObservationOf<C>>],
-    offer: &Offer<C::Feature>,
-) -> Judgment<C::Feature> {
+    offer: &Offer,
+) -> Judgment {
     let answers = DependentAnswers::new(suite, observations);
     let (dialect, certain) = dialect_of(&answers);
     let (unsupported, decoded) = features(suite, observations, offer);
@@ -129,7 +129,7 @@ struct CaseFacts<'a, C: TestCase> {
     twins: &'a [usize],
     answers: &'a DependentAnswers<'a, C>,
     dialect: &'a Dialect,
-    unsupported: &'a BTreeSet<C::Feature>,
+    unsupported: &'a BTreeSet<Feature>,
     /// True if the decoder read at least one table spelling correctly.
     reads_some_spelling: bool,
 }
@@ -147,7 +147,7 @@ pub fn fail(says: impl Into<String>) -> Verdict {
 
 impl<C: TestCase> CaseFacts<'_, C> {
     /// Returns the outcome and the reason, according to the table and the exceptions in docs/protocol.md.
-    fn verdict(&self, offer: &Offer<C::Feature>) -> Verdict {
+    fn verdict(&self, offer: &Offer) -> Verdict {
         let (case, observation) = (self.case, self.observation);
         let expect = case.expect();
         if let Some(how) = &observation.nondeterminism {
@@ -283,10 +283,10 @@ pub fn mixed_readings_text<R>(
 fn features<C: TestCase>(
     suite: &Suite<C>,
     observations: &[Option<ObservationOf<C>>],
-    offer: &Offer<C::Feature>,
-) -> (BTreeSet<C::Feature>, BTreeSet<C::Feature>) {
+    offer: &Offer,
+) -> (BTreeSet<Feature>, BTreeSet<Feature>) {
     // For each feature, the number of files and the number answered with 69.
-    let mut asked: BTreeMap<C::Feature, (usize, usize)> = BTreeMap::new();
+    let mut asked: BTreeMap<Feature, (usize, usize)> = BTreeMap::new();
     let mut decoded = BTreeSet::new();
     for (case, seen) in suite.cases.iter().zip(observations) {
         let Some(observation) = seen else { continue };

@@ -1,7 +1,6 @@
 //! The offer of a decoder: its views, and the kinds of cases that it supports in each view.
 
 use std::collections::BTreeSet;
-use std::fmt::Display;
 
 use crate::cases::Expect;
 use crate::features::Feature;
@@ -32,16 +31,16 @@ impl<F> Default for Offer<F> {
     }
 }
 
-impl<F: PartialEq> Offer<F> {
+impl Offer {
     /// Returns true if the decoder decodes this kind of case only in views other than `view`.
     #[must_use]
-    pub fn lacks(&self, view: &str, kind: &F) -> bool {
+    pub fn lacks(&self, view: &str, kind: &Feature) -> bool {
         let mut lacking = self.missing_views.iter();
         lacking.any(|(name, other)| *name == view && other == kind)
     }
 
     /// Returns the first view of the case that is offered for this kind of case, or else the first that is offered at all.
-    pub fn chosen_view<'a, C: TestCase<Feature = F>>(&self, case: &'a C) -> Option<&'a C::View> {
+    pub fn chosen_view<'a, C: TestCase>(&self, case: &'a C) -> Option<&'a C::View> {
         let offered = |view: &&C::View| self.views.contains(&C::view_name(view));
         let mut views = case.views().iter().filter(offered);
         let first = views.clone().next();
@@ -51,15 +50,12 @@ impl<F: PartialEq> Offer<F> {
     }
 
     /// Returns true if the case breaks the offer: its kind is declared but unsupported, and the answer to it was 69.
-    pub fn is_broken_by<C: TestCase<Feature = F>>(
+    pub fn is_broken_by<C: TestCase>(
         &self,
         case: &C,
         observation: &ObservationOf<C>,
-        unsupported: &BTreeSet<F>,
-    ) -> bool
-    where
-        F: Display + Ord,
-    {
+        unsupported: &BTreeSet<Feature>,
+    ) -> bool {
         matches!(observation.response, Response::Unsupported)
             && case.expect() == Expect::Decode
             && observation.nondeterminism.is_none()

@@ -1,4 +1,4 @@
-//! Verdicts on the answers of a texture stage. [`outcome`] is the table of verdicts.
+//! Verdicts on the answers of a texture stage. [`outcome()`] is the table of verdicts.
 
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,4 +1,4 @@
-//! A run of the texture suite: questions to a texture stage. [`judge()`] returns the verdicts on its answers.
+//! A run of the texture suite: questions to a texture stage. `judge` returns the verdicts on its answers.
 
 pub mod judge;
 
