@@ -6,7 +6,8 @@ use std::time::Duration;
 use ptm::Reading;
 use ptm_harness::pipeline::merge::RecordedAnswers;
 use ptm_harness::pipeline::recorder::ShardRecorder;
-use ptm_harness::pipeline::{Check, Subject, check};
+use ptm_harness::pipeline::texture::TextureCheck;
+use ptm_harness::pipeline::{self, Check, Subject, check};
 use ptm_harness::report::Report;
 use ptm_harness::report::shards::{Circumstances, OtherRemarks, Shard, answers_path};
 use ptm_harness::session::plan::{Repeat, RunPlan};
@@ -15,6 +16,8 @@ use ptm_mistakes::answer;
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::{Answer, Frame};
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
+use ptm_suite::texture::cases::TextureView;
+use ptm_texture::Rules;
 
 use crate::common::{Workspace, zoo};
 use crate::in_process::{answer_with, misreading, reference_answer, suite_of_small_files};
@@ -152,6 +155,39 @@ fn merged_shards_repeat_the_same_requests_as_the_whole_run() {
             }
         });
     }
+}
+
+#[test]
+fn merged_shards_of_a_texture_stage_equal_the_whole_run() {
+    let suite = Suite::load_texture().expect("the suite loads");
+    let mistake = ptm_mistakes::texture::all().next().expect("a misreading");
+    let rules = mistake.apply_to(Rules::SPEC);
+    let stage = |request: &Request<'_, TextureView>, _: usize| {
+        let case = suite.case(request.name).expect("the case exists");
+        Reply::from(case.answer(&rules))
+    };
+    let scratch = tempfile::tempdir().expect("a directory");
+    let run_part = |part: Option<Shard>| {
+        let report = scratch.path().join(format!("{part:?}.yaml"));
+        let mut plan = RunPlan::new(&suite, 2);
+        for (case, selected) in suite.cases.iter().zip(&mut plan.selected) {
+            *selected = part.is_none_or(|part| part.contains_case(&case.id));
+        }
+        let check = TextureCheck {
+            circumstances: circumstances(),
+            recorder: part.map(|part| ShardRecorder::new(part, &report).expect("a file")),
+            ..TextureCheck::new(&suite, &plan)
+        };
+        let (_, whole) = pipeline::texture::check(&check, &stage, &()).expect("a verdict");
+        (report, whole)
+    };
+    let (_, whole) = run_part(None);
+    let parts = [1, 2].map(|number| run_part(Some(Shard { number, total: 2 })).0);
+    let answers = RecordedAnswers::read(&suite, &parts).expect("all parts exist");
+    let (_, merged) = answers
+        .merge_texture(&suite, 2, &())
+        .expect("every answer exists");
+    assert_eq!(merged.to_yaml(), whole.to_yaml());
 }
 
 #[test]
