@@ -79,6 +79,9 @@ pub fn watch(run: u32, directories: &[PathBuf]) -> u8 {
     for directory in directories {
         processes::kill_all(directory);
         remove_directory(directory);
+        // A process that was just being started has already entered the directory, so that it is found now, or cannot enter it any
+        // more, and ends.
+        processes::kill_all(directory);
     }
     0
 }
