@@ -6,7 +6,7 @@ use ptm_harness::pipeline::judge_answers;
 use ptm_harness::session::plan::RunPlan;
 use ptm_harness::session::run::Run;
 use ptm_mistakes::formula::Edit;
-use ptm_mistakes::{Change, Misreading, Symptom};
+use ptm_mistakes::{Change, Misreading};
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{Reply, Request};
@@ -39,15 +39,7 @@ pub fn misreading(slug: &str) -> &'static Misreading {
 pub fn formula_misreading(edits: Vec<Edit>) -> Misreading {
     Misreading {
         slug: "none",
-        clause: "1.0/1",
-        violates: None,
-        reading_of: None,
-        effect: "",
-        fix: "",
-        symptom: Symptom::Values,
-        sightings: Vec::new(),
-        step: None,
-        change: Change::Edits(edits.leak()),
+        ..Misreading::unlisted("1.0/1", Change::Edits(edits.leak()))
     }
 }
 

@@ -39,6 +39,25 @@ pub struct Misreading<A = Change> {
     pub change: A,
 }
 
+impl<A> Misreading<A> {
+    /// Creates a misreading outside the catalog: without slug, texts, and a named step.
+    #[must_use]
+    pub const fn unlisted(clause: &'static str, change: A) -> Misreading<A> {
+        Misreading {
+            slug: "",
+            clause,
+            violates: None,
+            reading_of: None,
+            effect: "",
+            fix: "",
+            symptom: Symptom::Values,
+            sightings: Vec::new(),
+            step: None,
+            change,
+        }
+    }
+}
+
 impl Misreading {
     /// Returns the stage of decoding that the mistake changes.
     #[must_use]

@@ -13,7 +13,7 @@ use std::io::{self, Write};
 use std::process::ExitCode;
 
 use ptm::{Coding, Reading};
-use ptm_mistakes::{Change, Misreading, Step, Symptom};
+use ptm_mistakes::{Change, Misreading, Step};
 use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, EXIT_UNSUPPORTED, View};
 
 fn main() -> ExitCode {
@@ -42,27 +42,21 @@ fn answer(file: &[u8], view: &View) -> Answer {
         // Only legal JPEG files are of interest here; the reference answers for the others.
         return ptm_mistakes::answer(&[], Reading::SPEC, file, view);
     }
+    // The samples of JPEG planes come from the crate.
+    let change = Change::Reading(|r| {
+        r.stream = |stream| {
+            jpeg_decoder::Decoder::new(stream.bytes)
+                .decode()
+                .or_else(|error| {
+                    eprintln!("plane {}: {error}", stream.plane);
+                    // Any error refuses the file.
+                    ptm::decode(&[]).map(|_| Vec::new())
+                })
+        };
+    });
     let codec = Misreading {
-        slug: "jpeg-decoder",
-        clause: "2.9.8/11",
-        violates: None,
-        reading_of: None,
-        effect: "takes the samples of JPEG planes from the crate jpeg-decoder",
-        fix: "",
-        symptom: Symptom::Values,
-        sightings: Vec::new(),
         step: Step::find("stream"),
-        change: Change::Reading(|r| {
-            r.stream = |stream| {
-                jpeg_decoder::Decoder::new(stream.bytes)
-                    .decode()
-                    .or_else(|error| {
-                        eprintln!("plane {}: {error}", stream.plane);
-                        // Any error refuses the file.
-                        ptm::decode(&[]).map(|_| Vec::new())
-                    })
-            };
-        }),
+        ..Misreading::unlisted("2.9.8/11", change)
     };
     ptm_mistakes::answer(&[&codec], Reading::SPEC, file, view)
 }

@@ -42,5 +42,8 @@ fn only_the_pipelines_send_requests_and_judge_answers() {
     assert_eq!(files_with(".first_contact("), [files, texture]);
     assert_eq!(files_with(".verdicts("), [files, texture]);
     // The judge is called with the observations of a session.
-    assert_eq!(files_with("= judge("), ["session/run.rs", "texture/mod.rs"]);
+    assert_eq!(
+        files_with("= judge("),
+        ["session/run.rs", "session/texture.rs"]
+    );
 }

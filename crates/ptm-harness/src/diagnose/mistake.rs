@@ -2,7 +2,7 @@
 
 use super::scope::FileScope;
 use ptm_mistakes::formula::Edit;
-use ptm_mistakes::{Change, Misreading, Symptom};
+use ptm_mistakes::{Change, Misreading};
 use ptm_suite::protocol::frame::{Answer, Samples};
 
 /// A mistake, and the files and channels that it affects.
@@ -110,16 +110,6 @@ impl ChannelSubset {
 
 /// Returns a misreading that consists of a single edit and has no slug.
 pub(super) fn edit_as_misreading(edit: &'static Edit) -> Misreading {
-    Misreading {
-        slug: "",
-        clause: edit.formula.stated().clause,
-        violates: None,
-        reading_of: None,
-        effect: "",
-        fix: "",
-        symptom: Symptom::Values,
-        sightings: Vec::new(),
-        step: None,
-        change: Change::Edits(std::slice::from_ref(edit)),
-    }
+    let change = Change::Edits(std::slice::from_ref(edit));
+    Misreading::unlisted(edit.formula.stated().clause, change)
 }

@@ -1,7 +1,7 @@
 //! Runs a check, from first contact with a decoder to the final report.
 //!
-//! [`check`] is the only function that judges a decoder or a writer on the cases of a suite; [`texture`] does the same for texture
-//! stages. (`probe`, `check --files` and `minimize` compare single answers with the reference.)
+//! [`check`] is the only function that requests the cases of a suite from a decoder or a writer and judges the answers; [`texture`]
+//! does the same for texture stages. (`probe`, `check --files` and `minimize` compare single answers with the reference.)
 //!
 //!
 //! 1. First contact: what the decoder offers, faults of its wrapper, and transforms that all images have in common.

@@ -14,5 +14,6 @@ pub mod choices;
 pub mod compare;
 pub mod expected;
 pub mod fixtures;
+pub mod judge;
 pub mod question;
 pub mod verify;

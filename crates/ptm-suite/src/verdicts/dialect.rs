@@ -128,7 +128,7 @@ pub fn dialect_of<C: TestCase>(answers: &DependentAnswers<C>) -> (Dialect, Vec<C
 }
 
 /// Returns the dialect in which most of these answers are right, and the certainty of its reading of each choice.
-pub fn dialect_in<R>(
+pub(crate) fn dialect_in<R>(
     choices: &Choices<R>,
     answers: &[DependentAnswer],
     is_right: impl Fn(usize, &Dialect) -> bool,

@@ -12,7 +12,7 @@ use crate::test_case::TestCase;
 use crate::verdicts::dialect::{Certainty, DependentAnswers, dialect_of};
 use crate::verdicts::observation::{Observation, ObservationOf, Response};
 use crate::verdicts::offer::Offer;
-use crate::verdicts::outcome::{Outcome, ResponseKind, Verdict, outcome};
+use crate::verdicts::outcome::{Outcome, Verdict, outcome};
 
 /// The result of judging a decoder. `F` is the type of features.
 #[derive(Clone, Debug)]
@@ -81,23 +81,16 @@ pub fn judge<C: TestCase>(
 impl Suite {
     /// Judges the answers of a decoder that is called in this process, for example in `cargo test`. `answers` has one answer per
     /// case, in order, each to the request for the case's file with tables spelled as `table` says, in the first view of the case.
+    /// Cases without an answer are not judged.
     ///
     /// A decoder that supports only some formats answers the others with [`Answer::Unsupported`].
     #[must_use]
     pub fn judge_answers(&self, table: TableSpelling, answers: &[Answer]) -> Judgment {
-        let observations: Vec<Option<Observation>> = self
-            .cases
-            .iter()
-            .zip(answers)
-            .map(|(case, answer)| {
-                Some(Observation::of_answer(
-                    case,
-                    &case.build(table),
-                    &case.views[0],
-                    answer,
-                ))
-            })
-            .collect();
+        let mut observations = vec![None; self.cases.len()];
+        for ((case, answer), observation) in self.cases.iter().zip(answers).zip(&mut observations) {
+            let (built, view) = (case.build(table), &case.views[0]);
+            *observation = Some(Observation::of_answer(case, &built, view, answer));
+        }
         let offer = Offer {
             views: ViewKind::NAMES.to_vec(),
             ..Offer::default()
@@ -135,13 +128,13 @@ struct CaseFacts<'a, C: TestCase> {
 }
 
 /// Creates a verdict.
-pub fn verdict(outcome: Outcome, message: impl Into<String>) -> Verdict {
+pub(crate) fn verdict(outcome: Outcome, message: impl Into<String>) -> Verdict {
     let message = message.into();
     Verdict { outcome, message }
 }
 
 /// Creates the verdict on a failure.
-pub fn fail(says: impl Into<String>) -> Verdict {
+pub(crate) fn fail(says: impl Into<String>) -> Verdict {
     verdict(Outcome::Fail, says)
 }
 
@@ -163,7 +156,8 @@ impl<C: TestCase> CaseFacts<'_, C> {
         let view = &observation.view;
         let is_supported = case.features(view).is_disjoint(self.unsupported);
         let is_supported = is_supported && !offer.lacks(C::view_name(view), &case.kind());
-        let outcome = outcome(expect, is_supported, self.response_kind());
+        let is_right = self.answers.is_right(self.index, self.dialect);
+        let outcome = outcome(expect, is_supported, observation.response.kind(is_right));
         if outcome == Outcome::Unsupported {
             return verdict(outcome, "");
         }
@@ -196,16 +190,6 @@ impl<C: TestCase> CaseFacts<'_, C> {
                 let differs = differs.map(ToString::to_string).unwrap_or_default();
                 self.wrong_image_verdict(right, differs)
             }
-        }
-    }
-
-    fn response_kind(&self) -> ResponseKind {
-        match &self.observation.response {
-            _ if self.answers.is_right(self.index, self.dialect) => ResponseKind::Expected,
-            Response::Image { .. } => ResponseKind::Different,
-            Response::Rejected => ResponseKind::Rejected,
-            Response::Unsupported => ResponseKind::Unsupported,
-            Response::Violation(_) => ResponseKind::Violation,
         }
     }
 
@@ -242,7 +226,7 @@ impl<C: TestCase> CaseFacts<'_, C> {
 }
 
 /// If a case has twins and none was decoded, returns the reason why a refusal proves nothing.
-pub fn undecoded_twin_reason<'a>(
+pub(crate) fn undecoded_twin_reason<'a>(
     twins: &[usize],
     is_decoded: impl Fn(&usize) -> bool,
     id: impl Fn(usize) -> &'a str,
@@ -260,8 +244,7 @@ pub fn undecoded_twin_reason<'a>(
 }
 
 /// Describes the readings that a decoder mixes. The answer is right in the `other` dialect.
-#[must_use]
-pub fn mixed_readings_text<R>(
+pub(crate) fn mixed_readings_text<R>(
     choices: &Choices<R>,
     axes: &[Axis],
     dialect: &Dialect,
@@ -285,15 +268,15 @@ fn features<C: TestCase>(
     observations: &[Option<ObservationOf<C>>],
     offer: &Offer,
 ) -> (BTreeSet<Feature>, BTreeSet<Feature>) {
-    // For each feature, the number of files and the number answered with 69.
-    let mut asked: BTreeMap<Feature, (usize, usize)> = BTreeMap::new();
-    let mut decoded = BTreeSet::new();
-    for (case, seen) in suite.cases.iter().zip(observations) {
-        let Some(observation) = seen else { continue };
+    let mut tally = FeatureTally::default();
+    for (case, observation) in suite.cases.iter().zip(observations) {
+        let Some(observation) = observation else {
+            continue;
+        };
         let kind = case.kind();
         // The first files of an unsupported kind were answered with 69, even if they are not selected.
         if offer.unsupported.contains(&kind) {
-            asked.entry(kind.clone()).or_insert((1, 1));
+            tally.count_first_files(&kind);
         }
         if !matches!(
             case.expect(),
@@ -301,23 +284,62 @@ fn features<C: TestCase>(
         ) {
             continue;
         }
-        let unsupported = matches!(observation.response, Response::Unsupported);
+        let is_view_missing = matches!(observation.response, Response::Unsupported)
+            && offer.lacks(C::view_name(&observation.view), &kind);
         for feature in case.features(&observation.view) {
             // A missing view proves nothing about the kind.
-            if unsupported && feature == kind && offer.lacks(C::view_name(&observation.view), &kind)
-            {
-                continue;
-            }
-            let (all, answered) = asked.entry(feature.clone()).or_default();
-            *all += 1;
-            *answered += usize::from(unsupported);
-            if matches!(observation.response, Response::Image { .. }) {
-                decoded.insert(feature);
+            if !(is_view_missing && feature == kind) {
+                tally.count(feature, &observation.response);
             }
         }
     }
-    asked.retain(|feature, (all, unsupported)| {
-        *unsupported * 2 > *all && !decoded.contains(feature)
-    });
-    (asked.into_keys().collect(), decoded)
+    tally.unsupported_and_decoded()
+}
+
+/// Counts, for each feature, the requests that need it and those of them that were answered with 69.
+pub(crate) struct FeatureTally<F> {
+    asked: BTreeMap<F, (usize, usize)>,
+    decoded: BTreeSet<F>,
+}
+
+impl<F> Default for FeatureTally<F> {
+    fn default() -> Self {
+        FeatureTally {
+            asked: BTreeMap::new(),
+            decoded: BTreeSet::new(),
+        }
+    }
+}
+
+impl<F: Clone + Ord> FeatureTally<F> {
+    /// Counts the first files of a kind, which were all answered with 69, unless files of this kind have been counted.
+    pub fn count_first_files(&mut self, kind: &F) {
+        self.asked.entry(kind.clone()).or_insert((1, 1));
+    }
+
+    /// Counts a response to a request that needs the feature.
+    pub fn count<T, D>(&mut self, feature: F, response: &Response<T, D>) {
+        let (all, unsupported) = self.asked.entry(feature.clone()).or_default();
+        *all += 1;
+        match response {
+            Response::Unsupported => *unsupported += 1,
+            Response::Image { .. } => {
+                self.decoded.insert(feature);
+            }
+            _ => {}
+        }
+    }
+
+    /// Returns the features that were never decoded and mostly answered with 69, and the features that were decoded.
+    pub fn unsupported_and_decoded(self) -> (BTreeSet<F>, BTreeSet<F>) {
+        let FeatureTally { asked, decoded } = self;
+        let unsupported = asked
+            .into_iter()
+            .filter(|(feature, (all, unsupported))| {
+                *unsupported * 2 > *all && !decoded.contains(feature)
+            })
+            .map(|(feature, _)| feature)
+            .collect();
+        (unsupported, decoded)
+    }
 }

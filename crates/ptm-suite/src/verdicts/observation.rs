@@ -8,6 +8,7 @@ use crate::dialect::RightDialects;
 use crate::protocol::frame::{Answer, Frame, TimeLimit, View};
 use crate::protocol::request::AttemptKind;
 use crate::test_case::{Allowance, Output, TestCase};
+use crate::verdicts::outcome::ResponseKind;
 
 /// The result of a request for a case.
 pub type ObservationOf<C> =
@@ -128,6 +129,18 @@ impl<T: Clone, D> Response<T, D> {
 }
 
 impl<T, D> Response<T, D> {
+    /// Returns the kind of the response. `is_right` is true if it is an image that is right.
+    #[must_use]
+    pub const fn kind(&self, is_right: bool) -> ResponseKind {
+        match self {
+            Response::Image { .. } if is_right => ResponseKind::Expected,
+            Response::Image { .. } => ResponseKind::Different,
+            Response::Rejected => ResponseKind::Rejected,
+            Response::Unsupported => ResponseKind::Unsupported,
+            Response::Violation(_) => ResponseKind::Violation,
+        }
+    }
+
     /// Returns the time limit that the request exceeded, if it did.
     #[must_use]
     pub const fn time_limit(&self) -> Option<TimeLimit> {

@@ -1,6 +1,4 @@
-//! A run of the texture suite: questions to a texture stage. `judge` returns the verdicts on its answers.
-
-pub mod judge;
+//! A run of the texture suite: questions to a texture stage. `ptm_suite::texture::judge` returns the verdicts on its answers.
 
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -14,14 +12,14 @@ use crate::session::plan::{Repeat, RunPlan};
 use crate::session::run::{Run, all_unsupported_reason};
 use crate::session::schedule::{Finished, Requests};
 use crate::session::tally::{MAX_CONSECUTIVE, Tally};
-pub use crate::session::texture::judge::TextureObservation;
-use crate::session::texture::judge::{judge, twins};
 use ptm_suite::cases::{Expect, Suite, TableSpelling};
 use ptm_suite::dialect::RightDialects;
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 use ptm_suite::test_case::Allowance;
 use ptm_suite::texture::cases::{TextureCase, TextureView};
+pub use ptm_suite::texture::judge::TextureObservation;
+use ptm_suite::texture::judge::{judge, twins};
 use ptm_suite::verdicts::observation::{Observation, Response};
 use ptm_suite::verdicts::offer::Offer;
 use ptm_suite::verdicts::outcome::Outcome;

@@ -1,27 +1,27 @@
 //! Verdicts on the answers of a texture stage. [`outcome()`] is the table of verdicts.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use serde_json::Value;
 
-use ptm_suite::cases::Expect;
-use ptm_suite::dialect::{Dialect, RightDialects};
-use ptm_suite::texture::cases::{TextureCase, TextureView};
-use ptm_suite::texture::choices::CHOICES;
-use ptm_suite::verdicts::dialect::dialect_in;
-use ptm_suite::verdicts::judge::{
-    Judgment, fail, mixed_readings_text, undecoded_twin_reason, verdict,
+use crate::cases::Expect;
+use crate::dialect::{Dialect, RightDialects};
+use crate::texture::cases::{TextureCase, TextureView};
+use crate::texture::choices::CHOICES;
+use crate::verdicts::dialect::dialect_in;
+use crate::verdicts::judge::{
+    FeatureTally, Judgment, fail, mixed_readings_text, undecoded_twin_reason, verdict,
 };
-use ptm_suite::verdicts::observation::{Observation, Response};
-use ptm_suite::verdicts::offer::Offer;
-use ptm_suite::verdicts::outcome::{Outcome, ResponseKind, Verdict, outcome};
+use crate::verdicts::observation::{Observation, Response};
+use crate::verdicts::offer::Offer;
+use crate::verdicts::outcome::{Outcome, Verdict, outcome};
 
 /// The result of a question.
 pub type TextureObservation = Observation<TextureView, Value, String>;
 
 /// Returns, for each question that must be refused, the legal questions about its step. If none of them is answered, a refusal
 /// proves nothing.
-pub(super) fn twins(cases: &[TextureCase]) -> Vec<Vec<usize>> {
+pub fn twins(cases: &[TextureCase]) -> Vec<Vec<usize>> {
     let is_legal = |case: &TextureCase| case.expectation() != Expect::Reject;
     let twins = |case: &TextureCase| -> Vec<usize> {
         let is_twin = |&i: &usize| is_legal(&cases[i]) && cases[i].op == case.op;
@@ -34,7 +34,8 @@ pub(super) fn twins(cases: &[TextureCase]) -> Vec<Vec<usize>> {
     cases.iter().map(twins).collect()
 }
 
-/// Judges the observations of a run. `observations` has a slot for each case of the suite. `selected` marks the cases to judge; the others only serve as twins.
+/// Judges the observations of a run. `observations` has a slot for each case of the suite. `selected` marks the cases to judge; the
+/// others only serve as twins.
 pub fn judge(
     cases: &[TextureCase],
     selected: &[bool],
@@ -123,14 +124,7 @@ impl QuestionFacts<'_> {
             return fail(&*how.message);
         }
         let expect = case.expectation();
-        let kind = match response {
-            Response::Image { .. } if self.is_right => ResponseKind::Expected,
-            Response::Image { .. } => ResponseKind::Different,
-            Response::Rejected => ResponseKind::Rejected,
-            Response::Unsupported => ResponseKind::Unsupported,
-            Response::Violation(_) => ResponseKind::Violation,
-        };
-        let outcome = outcome(expect, self.is_supported, kind);
+        let outcome = outcome(expect, self.is_supported, response.kind(self.is_right));
         if outcome == Outcome::Unsupported {
             return verdict(outcome, "");
         }
@@ -191,34 +185,20 @@ fn features(
     observations: &[Option<TextureObservation>],
     offer: &Offer<String>,
 ) -> (BTreeSet<String>, BTreeSet<String>) {
-    // For each feature, the number of questions and the number answered with 69.
-    let mut asked: BTreeMap<String, (usize, usize)> = BTreeMap::new();
-    let mut decoded = BTreeSet::new();
+    let mut tally = FeatureTally::default();
     for (case, observation) in cases.iter().zip(observations) {
         let Some(observation) = observation else {
             continue;
         };
         // The first questions about an unsupported step were answered with 69, even if they are not selected.
         if offer.unsupported.contains(&case.op) {
-            asked.entry(case.op.clone()).or_insert((1, 1));
+            tally.count_first_files(&case.op);
         }
-        if case.expectation() == Expect::Reject {
-            continue;
-        }
-        for feature in case.features() {
-            let (all, unsupported) = asked.entry(feature.clone()).or_default();
-            *all += 1;
-            match observation.response {
-                Response::Unsupported => *unsupported += 1,
-                Response::Image { .. } => {
-                    decoded.insert(feature);
-                }
-                _ => {}
+        if case.expectation() != Expect::Reject {
+            for feature in case.features() {
+                tally.count(feature, &observation.response);
             }
         }
     }
-    asked.retain(|feature, (all, unsupported)| {
-        *unsupported * 2 > *all && !decoded.contains(feature)
-    });
-    (asked.into_keys().collect(), decoded)
+    tally.unsupported_and_decoded()
 }
