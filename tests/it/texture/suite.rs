@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, HashMap, HashSet};
 
-use ptm_harness::diagnose::{Cause, texture::diagnose};
+use ptm_harness::diagnose::{Cause, Diagnosis, texture::diagnose};
 use ptm_harness::pipeline::texture::judge_answers;
 use ptm_harness::session::plan::RunPlan;
 use ptm_harness::session::texture::TextureRun;
@@ -17,6 +17,7 @@ use ptm_suite::texture::question::{OPERATIONS, Question, Refusal};
 use ptm_suite::texture::verify::verify;
 use ptm_suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
 use ptm_suite::verdicts::outcome::Outcome;
+use ptm_texture::map::texel_color;
 use ptm_texture::{Boundary, ClampMethod, RenderingControl, Rules};
 use serde_json::Value;
 
@@ -268,6 +269,57 @@ fn every_misreading_is_diagnosed() {
         }
     }
     assert!(unnamed.is_empty(), "{unnamed:#?}");
+}
+
+/// Returns the names of the causes that are found if only one of the cases was judged.
+fn causes_of_one_case(
+    suite: &Suite<TextureCase>,
+    run: &mut TextureRun,
+    case: usize,
+) -> Vec<String> {
+    let whole = run.judgment.clone();
+    for (i, verdict) in run.judgment.cases.iter_mut().enumerate() {
+        verdict.take_if(|_| i != case);
+    }
+    let causes = names_of_causes(&diagnose(suite, run));
+    run.judgment = whole;
+    causes
+}
+
+fn names_of_causes(diagnoses: &[Diagnosis<misreadings::Change>]) -> Vec<String> {
+    let names = diagnoses.iter().map(|diagnosis| match &diagnosis.cause {
+        Cause::Misreading { misreading, .. } => misreading.slug.to_owned(),
+        Cause::Described { effect, .. } => effect.clone(),
+    });
+    names.collect()
+}
+
+/// Mistakes under which the answer to a case is undefined cannot be recognized by the answer.
+#[test]
+fn undefined_answers_explain_nothing() {
+    let suite = suite();
+    let lighter = Rules {
+        texel_color: |texel| texel_color(texel).map(|c| c + 0.002),
+        ..Rules::SPEC
+    };
+    let mut run = run(&suite, |case| case.answer(&lighter));
+    let failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
+    let ids: Vec<&str> = failing
+        .iter()
+        .map(|&i| suite.cases[i].id.as_str())
+        .collect();
+    assert!(
+        ids.contains(&"PTM-16") && ids.contains(&"PTM-17"),
+        "{ids:?}"
+    );
+    for i in failing {
+        let causes = causes_of_one_case(&suite, &mut run, i);
+        assert!(causes.is_empty(), "{}: {causes:?}", suite.cases[i].id);
+    }
+    assert_eq!(
+        names_of_causes(&diagnose(&suite, &run)),
+        Vec::<String>::new()
+    );
 }
 
 #[test]

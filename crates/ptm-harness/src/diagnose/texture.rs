@@ -1,9 +1,10 @@
 //! Finds the misreadings that explain the failures of a texture stage.
 //!
-//! A misreading explains a failure if a stage that makes this mistake returns the received answer. A passing case contradicts a
-//! misreading if such a stage would fail the case. A misreading is reported only if it explains more cases than contradict it.
+//! A misreading explains a failure if a stage that makes this mistake returns the received answer: an answer of its own, since an
+//! undefined one equals any other. A passing case contradicts a misreading if such a stage would fail the case. A misreading is
+//! reported only if it explains more cases than contradict it.
 
-use serde_json::Value;
+use serde_json::{Map, Value};
 
 use super::cover::{CoverCandidate, cover};
 use super::diagnosis::Diagnosis;
@@ -33,30 +34,54 @@ pub fn diagnose(suite: &Suite<TextureCase>, run: &TextureRun) -> Vec<Diagnosis<C
     causes.map(CoverCandidate::diagnosis).collect()
 }
 
-/// Returns true if a stage with these rules returns the received answer.
+/// Returns true if a stage with these rules returns the received answer, which is not a correct one.
 fn explains(run: &TextureRun, i: usize, case: &TextureCase, rules: &Rules) -> bool {
     let Some(observation) = &run.observations[i] else {
         return false;
     };
     match (&observation.response, case.expected_under(rules)) {
+        // Any answer is as good as an undefined one.
+        (Response::Image { .. }, Some(misread)) if is_undefined(&misread.answer) => false,
+        (Response::Image { .. }, Some(_)) if case.expectation() == Expect::Reject => true,
         (Response::Image { frame, .. }, Some(misread)) => {
-            // Answers that equal the reference's are not stored. A field that only one answer has counts as a difference.
+            // Answers that equal the reference's are not stored.
             let received = frame.as_ref().unwrap_or(&case.expect);
-            let misread = ExpectedAnswer {
-                answer: checked_fields(case, &misread.answer),
-                ..misread
-            };
-            case.expectation() == Expect::Reject || misread.difference(received).is_none()
+            let expected = case.expected(&run.judgment.dialect);
+            is_wrong_answer(&expected, &misread.answer)
+                && has_same_fields(case, &misread.answer, received)
+                && only_checked_fields(case, misread)
+                    .difference(received)
+                    .is_none()
         }
         (Response::Rejected, None) => case.answer(rules) == Answer::Rejected,
         _ => false,
     }
 }
 
-fn checked_fields(case: &TextureCase, answer: &Value) -> Value {
-    let fields = case.expect.as_object().into_iter().flatten();
-    let kept = fields.filter_map(|(name, _)| Some((name.clone(), answer.get(name)?.clone())));
-    Value::Object(kept.collect())
+fn is_undefined(answer: &Value) -> bool {
+    answer.get("impl_defined").is_some()
+}
+
+/// Returns true if at least one checked field of `answer` has another value than expected.
+fn is_wrong_answer(expected: &ExpectedAnswer, answer: &Value) -> bool {
+    let mut present = expected.clone();
+    if let Some(fields) = present.answer.as_object_mut() {
+        fields.retain(|name, _| answer.get(name).is_some());
+    }
+    present.difference(answer).is_some()
+}
+
+/// Returns true if each checked field is in both answers or in neither.
+fn has_same_fields(case: &TextureCase, a: &Value, b: &Value) -> bool {
+    let mut names = case.expect.as_object().into_iter().flat_map(Map::keys);
+    names.all(|name| a.get(name).is_some() == b.get(name).is_some())
+}
+
+fn only_checked_fields(case: &TextureCase, mut misread: ExpectedAnswer) -> ExpectedAnswer {
+    if let Some(fields) = misread.answer.as_object_mut() {
+        fields.retain(|name, _| case.expect.get(name).is_some());
+    }
+    misread
 }
 
 fn would_fail(run: &TextureRun, case: &TextureCase, rules: &Rules) -> bool {
