@@ -61,6 +61,8 @@ pub mod writing;
 
 mod answer;
 
+mod half;
+
 pub use crate::error::{Error, Result};
 pub use crate::formula::Stage;
 pub use anatomy::{Anatomy, EditedFile};

@@ -6,6 +6,7 @@
 
 use std::sync::LazyLock;
 
+use super::half::round_to_half;
 use super::misreading::{Misreading, load_catalog};
 use ptm_texture::boundary::fold_index;
 use ptm_texture::compose::{mix, multiply};
@@ -533,6 +534,10 @@ const CHANGES: fn(&str) -> Option<Change> = |slug| {
         // ---------------------------------------------------------------- sampling
         "minification-always" => |r| r.method = |entry, _| entry.min_sample,
         "methods-exchanged" => |r| r.method = |entry, magnify| (SPEC.method)(entry, !magnify),
+        "texels-of-8-bits" => |r| {
+            r.stored_component = |value| (value.clamp(0.0, 1.0) * 255.0).round() / 255.0;
+        },
+        "texels-of-half-floats" => |r| r.stored_component = round_to_half,
         "texels-column-first" => |r| {
             r.offset = |size, at| (at[0] * size[1] + at[1]) * size[2] + at[2];
         },

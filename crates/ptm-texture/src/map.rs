@@ -12,6 +12,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use super::entry::{Color, enumerants};
+use super::rules::Rules;
 use crate::error::Error;
 
 enumerants! {
@@ -210,6 +211,15 @@ impl TextureMap {
         &self.levels
     }
 
+    /// Returns the map as a stage stores it.
+    #[must_use]
+    pub fn stored(mut self, rules: &Rules) -> TextureMap {
+        for texel in self.levels.iter_mut().flat_map(|level| &mut level.texels) {
+            *texel = texel.map_components(|_, value| (rules.stored_component)(value));
+        }
+        self
+    }
+
     /// Returns a map with the same base level followed by box-filtered levels that halve the size, down to one texel. Each texel
     /// is the average of the area that it covers (ruling `level-making`).
     #[must_use]
@@ -220,6 +230,12 @@ impl TextureMap {
         }
         TextureMap { levels, ..self }
     }
+}
+
+/// Returns a component of a texel unchanged: components are real numbers.
+#[must_use]
+pub fn stored_component(value: f64) -> f64 {
+    value
 }
 
 /// Box-filters a level to half its size, rounded down.

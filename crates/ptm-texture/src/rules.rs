@@ -58,6 +58,8 @@ pub struct Rules {
     pub blend_env_color: fn(&Terms) -> Shade,
     pub decal: fn(&Terms) -> Shade,
     pub decal_background: fn(&Terms) -> Shade,
+    // texels
+    pub stored_component: fn(f64) -> f64,
     // sampling
     pub is_magnified: fn(spans: &[f64], bias: f64) -> bool,
     pub method: fn(&Entry, magnify: bool) -> SampleMethod,

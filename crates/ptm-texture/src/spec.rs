@@ -46,6 +46,7 @@ impl Rules {
         blend_env_color: compose::blend_env_color,
         decal: compose::decal,
         decal_background: compose::decal_background,
+        stored_component: map::stored_component,
         is_magnified: depth::span_at_most_one_texel,
         method: sample::method,
         closest: sample::cell_index,

@@ -30,6 +30,8 @@ mirror-without-the-edge | k %= 2 * n↵        return k if k < n else 2 * n - 1 
 one-is-outside | not 0 <= t[d] <= 1 | not 0 <= t[d] < 1 | R-BND-01
 weights-exchanged | weight *= share if corner[d] else 1 - share | weight *= 1 - share if corner[d] else share
   | R-SMP-05
+texels-of-8-bits | return level["texels"][number] | return [round(c * 255) / 255 for c in level["texels"][number]]
+  | R-SMP-04
 level-rounded-down | math.ceil(sample_depth - 0.5) | math.floor(sample_depth) | R-SMP-06
 between-is-the-mean | a + (exact - lower) * (b - a) | a + (0.5 if exact > lower else 0) * (b - a) | R-SMP-08
 methods-exchanged | if magnify else entry["min_sample"] | if not magnify else entry["min_sample"] | R-SMP-02

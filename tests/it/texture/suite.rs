@@ -7,7 +7,7 @@ use ptm_harness::pipeline::texture::judge_answers;
 use ptm_harness::session::plan::RunPlan;
 use ptm_harness::session::texture::TextureRun;
 use ptm_harness::strength::matrix::texture_matrix;
-use ptm_mistakes::texture as misreadings;
+use ptm_mistakes::{Misreading, texture as misreadings};
 use ptm_suite::cases::Suite;
 use ptm_suite::clauses::{ClauseStatus, Ruling, RulingKind};
 use ptm_suite::protocol::frame::Answer;
@@ -18,7 +18,7 @@ use ptm_suite::texture::verify::verify;
 use ptm_suite::texture::{choices::CHOICES, compare::ExpectedAnswer};
 use ptm_suite::verdicts::outcome::Outcome;
 use ptm_texture::map::texel_color;
-use ptm_texture::{Boundary, ClampMethod, RenderingControl, Rules};
+use ptm_texture::{Boundary, ClampMethod, RenderingControl, Rules, sample};
 use serde_json::Value;
 
 use crate::table::rows;
@@ -136,8 +136,11 @@ fn ratio_of_values(name: &str, a: &Value, b: &Value, filter: &Value) -> f64 {
     }
 }
 
+/// Misreadings that change texels as little as the weights of texture units change samples. Cases of single texels catch them.
+const MISTAKES_OF_PRECISION: [&str; 2] = ["texels-of-8-bits", "texels-of-half-floats"];
+
 /// For every judged case, compares its tolerance with half the distance to each other reading and to each misreading that fails
-/// the case without the tolerance of filters. Prints the largest ratio of each family of cases.
+/// the case without the tolerance of filters, except mistakes of precision. Prints the largest ratio of each family of cases.
 #[test]
 fn tolerances_are_below_half_the_distance_to_other_readings_and_misreadings() {
     let suite = suite();
@@ -177,7 +180,8 @@ fn tolerances_are_below_half_the_distance_to_other_readings_and_misreadings() {
         }
         for dialect in dialects {
             let expected = case.expected(&dialect);
-            for misreading in misreadings::all() {
+            let distinct = |one: &&Misreading<_>| !MISTAKES_OF_PRECISION.contains(&one.slug);
+            for misreading in misreadings::all().filter(distinct) {
                 let rules = misreading.apply_to(CHOICES.apply(&dialect, Rules::SPEC));
                 if let Some(misread) = case.expected_under(&rules)
                     && exact(&expected).difference(&misread.answer).is_some()
@@ -320,6 +324,108 @@ fn undefined_answers_explain_nothing() {
         names_of_causes(&diagnose(&suite, &run)),
         Vec::<String>::new()
     );
+}
+
+fn round_to_multiple(value: f64, steps: f64) -> f64 {
+    (value * steps).round() / steps
+}
+
+/// Rounds to a number of significant bits.
+fn round_to_bits(value: f64, bits: i32) -> f64 {
+    if value == 0.0 {
+        return value;
+    }
+    let exponent = value.abs().log2().floor() as i32;
+    round_to_multiple(value, 2.0_f64.powi(bits - 1 - exponent))
+}
+
+/// Returns the rules of a stage whose weights are multiples of 1/256.
+fn with_weights_of_8_bits(rules: Rules) -> Rules {
+    Rules {
+        neighbors: |edge, t, size, rules| {
+            let [(lower, _), (upper, weight)] = sample::cells_around(edge, t, size, rules);
+            let weight = round_to_multiple(weight, 256.0);
+            [(lower, 1.0 - weight), (upper, weight)]
+        },
+        levels: |depth, top| {
+            let (lower, upper, weight) = sample::levels_around(depth, top);
+            (lower, upper, (weight * 256.0).floor() / 256.0)
+        },
+        ..rules
+    }
+}
+
+/// Stages that store texels as graphics processors do, with exact weights and with weights of 8 bits: the only cause must be the
+/// format, and must explain every failure.
+#[test]
+fn formats_of_texels_are_recognized() {
+    let suite = suite();
+    let formats: [(&str, fn(f64) -> f64); 2] = [
+        ("texels-of-8-bits", |value| round_to_multiple(value, 255.0)),
+        ("texels-of-half-floats", |value| round_to_bits(value, 11)),
+    ];
+    for (slug, stored_component) in formats {
+        let exact_weights = Rules {
+            stored_component,
+            ..Rules::SPEC
+        };
+        for rules in [exact_weights, with_weights_of_8_bits(exact_weights)] {
+            let mut run = run(&suite, |case| case.answer(&rules));
+            let failing: Vec<usize> = run.judgment.with_outcome(Outcome::Fail).collect();
+            let diagnoses = diagnose(&suite, &run);
+            assert_eq!(names_of_causes(&diagnoses), [slug]);
+            let [first] = &diagnoses[..] else {
+                panic!("{slug}")
+            };
+            let is_alone = matches!(&first.cause, Cause::Misreading { equivalents, .. } if equivalents.is_empty());
+            assert!(is_alone && first.is_certain, "{slug}");
+            assert!(failing.len() > 50 && first.explains == failing, "{slug}");
+            for i in failing {
+                let causes = causes_of_one_case(&suite, &mut run, i);
+                assert_eq!(causes, [slug], "{}", suite.cases[i].id);
+            }
+        }
+        let and_another = Rules {
+            is_outside: |t| !(0.0..1.0).contains(&t),
+            ..exact_weights
+        };
+        let run = run(&suite, |case| case.answer(&and_another));
+        let causes = names_of_causes(&diagnose(&suite, &run));
+        assert_eq!(causes, [slug, "one-is-outside"]);
+    }
+}
+
+/// Stages whose texels are inexact in another way are not said to have the two formats.
+#[test]
+fn other_inexact_texels_are_not_taken_for_formats() {
+    let suite = suite();
+    let others: [(&str, fn(f64) -> f64); 6] = [
+        ("truncated to 8 bits", |value| {
+            (value * 255.0).floor() / 255.0
+        }),
+        ("multiples of 1/256", |value| {
+            round_to_multiple(value, 256.0)
+        }),
+        ("10 bits", |value| round_to_multiple(value, 1023.0)),
+        ("8 significant bits", |value| round_to_bits(value, 8)),
+        ("a little larger", |value| value * 1.003),
+        ("a little smaller", |value| value - 0.0015),
+    ];
+    for (name, stored_component) in others {
+        let exact_weights = Rules {
+            stored_component,
+            ..Rules::SPEC
+        };
+        for rules in [exact_weights, with_weights_of_8_bits(exact_weights)] {
+            let run = run(&suite, |case| case.answer(&rules));
+            let causes = names_of_causes(&diagnose(&suite, &run));
+            assert!(
+                run.judgment.with_outcome(Outcome::Fail).count() > 30,
+                "{name}"
+            );
+            assert_eq!(causes, Vec::<String>::new(), "{name}");
+        }
+    }
 }
 
 #[test]

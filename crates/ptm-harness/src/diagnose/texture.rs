@@ -1,14 +1,15 @@
 //! Finds the misreadings that explain the failures of a texture stage.
 //!
 //! A misreading explains a failure if a stage that makes this mistake returns the received answer: an answer of its own, since an
-//! undefined one equals any other. A passing case contradicts a misreading if such a stage would fail the case. A misreading is
-//! reported only if it explains more cases than contradict it.
+//! undefined one equals any other. A passing case contradicts a misreading if such a stage would fail the case, and so does a wrong
+//! answer that no misreading explains. A misreading is reported only if it explains more cases than contradict it.
 
-use serde_json::{Map, Value};
+use serde_json::{Map, Value, json};
 
 use super::cover::{CoverCandidate, cover};
 use super::diagnosis::Diagnosis;
 use crate::session::texture::TextureRun;
+use ptm_mistakes::Misreading;
 use ptm_mistakes::texture::{Change, all};
 use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::protocol::frame::Answer;
@@ -29,9 +30,25 @@ pub fn diagnose(suite: &Suite<TextureCase>, run: &TextureRun) -> Vec<Diagnosis<C
         let would_fail = |i: usize| would_fail(run, &suite.cases[i], &rules);
         CoverCandidate::new(misreading, &failing, explains, &passing, would_fail)
     });
-    let candidates = candidates.filter(CoverCandidate::is_supported).collect();
+    let candidates: Vec<_> = candidates.collect();
+    // A wrong answer that no misreading explains contradicts each one under which the case would fail with another answer.
+    let mut unexplained = failing.clone();
+    unexplained.retain(|i| is_answered(run, *i));
+    unexplained.retain(|i| !candidates.iter().any(|one| one.explains.contains(i)));
+    let is_supported = |candidate: &CoverCandidate<&'static Misreading<Change>>| {
+        let rules = candidate.cause.apply_to(inferred);
+        let predicts_another = |&&i: &&usize| predicts_failure(run, &suite.cases[i], &rules);
+        let unmatched = unexplained.iter().filter(predicts_another).count();
+        candidate.explains.len() > candidate.contradicted.len() + unmatched
+    };
+    let candidates = candidates.into_iter().filter(is_supported).collect();
     let causes = cover(candidates, &mut failing).into_iter();
     causes.map(CoverCandidate::diagnosis).collect()
+}
+
+fn is_answered(run: &TextureRun, i: usize) -> bool {
+    let response = run.observations[i].as_ref().map(|one| &one.response);
+    matches!(response, Some(Response::Image { .. }))
 }
 
 /// Returns true if a stage with these rules returns the received answer, which is not a correct one.
@@ -84,14 +101,31 @@ fn only_checked_fields(case: &TextureCase, mut misread: ExpectedAnswer) -> Expec
     misread
 }
 
+/// Returns true if a stage with these rules fails the case, even if its filters are as inexact as they may be.
 fn would_fail(run: &TextureRun, case: &TextureCase, rules: &Rules) -> bool {
     let must_refuse = case.expectation() == Expect::Reject;
     match case.answer(rules) {
         Answer::Decoded(answer) => {
-            let expected = case.expected(&run.judgment.dialect);
+            let mut expected = case.expected(&run.judgment.dialect);
+            double(&mut expected.filter_tolerance);
             must_refuse || expected.difference(&answer).is_some()
         }
         Answer::Rejected => !must_refuse,
         _ => true,
+    }
+}
+
+/// Returns true if a stage with these rules fails the case, and does not do so with an undefined answer.
+fn predicts_failure(run: &TextureRun, case: &TextureCase, rules: &Rules) -> bool {
+    let is_undefined = |answer| matches!(answer, Answer::Decoded(answer) if is_undefined(&answer));
+    would_fail(run, case, rules) && !is_undefined(case.answer(rules))
+}
+
+fn double(tolerance: &mut Value) {
+    match tolerance {
+        Value::Number(number) => *tolerance = json!(number.as_f64().map(|number| 2.0 * number)),
+        Value::Array(values) => values.iter_mut().for_each(double),
+        Value::Object(fields) => fields.values_mut().for_each(double),
+        _ => {}
     }
 }

@@ -567,8 +567,8 @@ impl GivenMap {
             GivenMap::Levels(levels) => (levels.map()?, &levels.mipmap),
         };
         match mipmap.as_deref() {
-            None | Some("none") => Ok(map),
-            Some("box") => Ok(map.with_box_levels()),
+            None | Some("none") => Ok(map.stored(rules)),
+            Some("box") => Ok(map.stored(rules).with_box_levels().stored(rules)),
             Some(other) => Err(Refusal::Unsupported(format!("mipmap {other:?}"))),
         }
     }
