@@ -5,8 +5,8 @@ use std::sync::LazyLock;
 use super::change::Change;
 use super::misreading::{Misreading, load_catalog};
 use super::{
-    buffers, codecs, header, layout, lists, lookup, luminance, motion, places, prediction,
-    side_information, transforms,
+    buffers, codecs, header, layout, lists, lookup, luminance, motion, places, precision,
+    prediction, side_information, transforms,
 };
 
 /// The catalog, loaded on first use.
@@ -24,6 +24,7 @@ static ALL: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
         places::CHANGES,
         side_information::CHANGES,
         codecs::CHANGES,
+        precision::CHANGES,
     ];
     let yaml = ptm_spec_cases::MISREADINGS;
     let change_of = |slug: &str| sections.iter().find_map(|changes| changes(slug));

@@ -68,6 +68,7 @@ pub const CHANGES: Changes = |slug| {
                 decode_and_map(plane, |value| (u16::from(value) * 255).isqrt() as u8)
             };
         },
+        "jpeg-linear-gray-to-srgb" => |r| r.stream = |plane| decode_and_map(plane, linear_to_srgb),
         "jpeg-low-bit-lost" => |r| r.stream = |plane| decode_and_map(plane, |value| value & 0xFE),
         // Optional features of streams
         "restart-markers-refused" => {
@@ -271,6 +272,17 @@ fn decode_and_map(plane: &PlaneStream, change: fn(u8) -> u8) -> PlaneSamples {
     Ok(samples)
 }
 
+/// Applies the transfer function of sRGB to a byte of linear light. No result is close to a tie, so it is the same on every machine.
+fn linear_to_srgb(linear: u8) -> u8 {
+    let linear = f64::from(linear) / 255.0;
+    let encoded = if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    };
+    (encoded * 255.0).round() as u8
+}
+
 /// Decodes a plane. For JPEG streams, returns the first samples of a buffer whose rows are padded to a multiple of `unit`.
 fn decode_with_padded_rows(plane: &PlaneStream, unit: usize) -> PlaneSamples {
     let samples = planes::decode_stream(plane)?;
@@ -352,4 +364,16 @@ fn zigzag() -> [usize; 64] {
         (diagonal, if diagonal % 2 == 0 { column } else { row })
     });
     order.try_into().expect("there are 64 positions")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Java 17 returns these values from `getRGB`, for the samples 0, 1, 32, 51, 64, 128, 224 and 255.
+    #[test]
+    fn linear_gray_is_converted_as_in_java() {
+        let encoded = [0, 1, 32, 51, 64, 128, 224, 255].map(linear_to_srgb);
+        assert_eq!(encoded, [0, 13, 99, 124, 137, 188, 241, 255]);
+    }
 }

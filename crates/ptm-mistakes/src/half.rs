@@ -1,5 +1,7 @@
 //! Half precision: the 16-bit floating-point numbers of IEEE 754, which graphics processors and image formats use.
 
+use std::ops::{Add, Div, Mul, Sub};
+
 /// The largest finite half-precision number.
 const LARGEST: f64 = 65504.0;
 
@@ -22,6 +24,52 @@ pub fn round_to_half(value: f64) -> f64 {
         f64::INFINITY.copysign(value)
     } else {
         rounded
+    }
+}
+
+/// A half-precision number. Each operation is rounded.
+#[derive(Clone, Copy, Debug)]
+pub struct Half(f64);
+
+impl Half {
+    pub fn new(value: f64) -> Half {
+        Half(round_to_half(value))
+    }
+
+    pub fn value(self) -> f64 {
+        self.0
+    }
+}
+
+impl Add for Half {
+    type Output = Half;
+
+    fn add(self, other: Half) -> Half {
+        Half::new(self.0 + other.0)
+    }
+}
+
+impl Sub for Half {
+    type Output = Half;
+
+    fn sub(self, other: Half) -> Half {
+        Half::new(self.0 - other.0)
+    }
+}
+
+impl Mul for Half {
+    type Output = Half;
+
+    fn mul(self, other: Half) -> Half {
+        Half::new(self.0 * other.0)
+    }
+}
+
+impl Div for Half {
+    type Output = Half;
+
+    fn div(self, other: Half) -> Half {
+        Half::new(self.0 / other.0)
     }
 }
 

@@ -16,7 +16,7 @@ pub struct Step {
 }
 
 /// All steps: the bytes, the map, and the decisions in the order of `Reading`.
-static STEPS: [Step; 36] = [
+static STEPS: [Step; 37] = [
     may_refuse("bytes", File),
     only_changes_values("map", Planes),
     only_changes_values("light", Color),
@@ -33,6 +33,7 @@ static STEPS: [Step; 36] = [
     only_changes_values("lum_translation", Color),
     may_refuse("blocks", Decoding),
     only_changes_values("stored_row", Decoding),
+    only_changes_values("texel_color", Color),
     only_changes_values("luminance", Color),
     only_changes_values("modulate", Color),
     only_changes_values("clamp", Color),

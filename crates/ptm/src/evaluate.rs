@@ -61,29 +61,34 @@ pub fn compute_coefficients(
 /// Computes the image under a light from the final coefficients.
 #[must_use]
 pub fn evaluate(coefficients: &Coefficients, lu: f64, lv: f64, reading: &Reading) -> RelitImage {
-    let (lu, lv) = (reading.light)(lu, lv);
+    let light = (reading.light)(lu, lv);
+    let shape = &coefficients.shape;
+    let color = |texel: &[f64]| (reading.texel_color)(shape, texel, light, reading);
+    let texels = coefficients.values.chunks_exact(shape.channels());
+    let values = texels.flat_map(color).map(reading.clamp).collect();
+    RelitImage {
+        size: coefficients.size,
+        values,
+    }
+}
+
+/// Computes the color of a texel from its final values (clauses 1.0/1, 2.6/4 and 2.7.3/4). The color is not clamped.
+pub fn texel_color(
+    shape: &Shape,
+    texel: &[f64],
+    (lu, lv): (f64, f64),
+    reading: &Reading,
+) -> [f64; 3] {
     let polynomial = |a: &[f64]| (reading.polynomial)(a, lu, lv);
-    let color = |texel: &[f64]| match coefficients.shape {
+    match shape {
         Shape::Rgb => [&texel[..6], &texel[6..12], &texel[12..]].map(polynomial),
         Shape::Lrgb => {
             let luminance = (reading.luminance)(polynomial(&texel[..6]));
             [texel[6], texel[7], texel[8]].map(|color| (reading.modulate)(luminance, color))
         }
-        Shape::Lum(matrix) => lum_color(
-            &matrix,
-            polynomial(&texel[..6]),
-            texel[6],
-            texel[7],
-            reading,
-        ),
-    };
-    let texels = coefficients
-        .values
-        .chunks_exact(coefficients.shape.channels());
-    let values = texels.flat_map(color).map(reading.clamp).collect();
-    RelitImage {
-        size: coefficients.size,
-        values,
+        Shape::Lum(matrix) => {
+            lum_color(matrix, polynomial(&texel[..6]), texel[6], texel[7], reading)
+        }
     }
 }
 

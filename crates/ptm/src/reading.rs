@@ -22,7 +22,7 @@ use crate::input::Input;
 use crate::parts::{
     Block, Coded, IndexBlock, LookupTable, Plan, PlaneStream, RawLists, Record, Step,
 };
-use crate::types::{ColorMatrix, Format, Header, Planes, ScaleBias, Size};
+use crate::types::{ColorMatrix, Format, Header, Planes, ScaleBias, Shape, Size};
 
 /// A way to interpret files: one function for each decision, in the order of the specification.
 #[derive(Clone, Copy)]
@@ -49,6 +49,7 @@ pub struct Reading {
     // 2.7
     pub blocks: fn(Format) -> &'static [Block],
     pub stored_row: fn(&Header, row: usize) -> usize,
+    pub texel_color: fn(&Shape, texel: &[f64], light: (f64, f64), &Reading) -> [f64; 3],
     /// Returns the luminance that is multiplied by the color.
     pub luminance: fn(f64) -> f64,
     pub modulate: fn(luminance: f64, color: f64) -> f64,
@@ -95,7 +96,7 @@ impl Reading {
             final_coefficient finals
             entry_count after_table
             lum_luminance lum_chroma lum_values lum_vector lum_matrix lum_translation
-            blocks stored_row luminance modulate clamp
+            blocks stored_row texel_color luminance modulate clamp
             indices index entry
             plan
             predictor invert

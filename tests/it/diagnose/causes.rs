@@ -365,7 +365,7 @@ fn check_with_line_feed_after_tables(first: usize, step: usize) {
 
 #[test]
 fn one_misreading_in_forty_is_named() {
-    check_in_reference_dialect(7, 40);
+    check_in_reference_dialect(8, 40);
 }
 
 #[test]

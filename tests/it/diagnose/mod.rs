@@ -1,5 +1,6 @@
 #![cfg(unix)]
 
 mod causes;
+mod precision;
 mod recordings;
 mod work;

@@ -71,6 +71,7 @@ fn functions_are_in_the_order_of_the_catalog() {
         "places.rs",
         "side_information.rs",
         "codecs.rs",
+        "precision.rs",
     ];
     assert_eq!(slugs_with_functions(&sections), slugs);
     let texture: Vec<&str> = ptm_mistakes::texture::all().map(|one| one.slug).collect();

@@ -45,6 +45,7 @@ impl Reading {
         // §2.7: blocks, rows from the bottom; L · RGB / 255, clamped to 0 … 255 at the end
         blocks: texels::blocks,
         stored_row: texels::bottom_row_first,
+        texel_color: evaluate::texel_color,
         luminance: evaluate::luminance,
         modulate: evaluate::modulate,
         clamp: evaluate::clamp,
