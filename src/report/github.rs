@@ -48,7 +48,10 @@ fn errors(report: &Report) -> Vec<(String, String)> {
         let has_this_cause = |case: &&&CaseResult| report.cause_of(case) == Some(cause);
         let share = new.iter().filter(has_this_cause).count();
         if share > 0 {
-            let title = format!("{name}, clause {}: {}", cause.clause, cause.name());
+            let clause = cause
+                .misread_clause()
+                .map(|clause| format!(", clause {clause}"));
+            let title = format!("{name}{}: {}", clause.unwrap_or_default(), cause.name());
             let (all, subject) = (new.len(), report.suite.subject());
             let LikelyCause { effect, fix, .. } = cause;
             let says = format!("{share} of {all} failures: the {subject} {effect}. Fix: {fix}.");
@@ -124,10 +127,20 @@ fn write_diagnoses(report: &Report, failures: &[&CaseResult], out: &mut String) 
 
 fn write_cause(cause: &LikelyCause, report: &Report, all: usize, out: &mut String) -> fmt::Result {
     let (suite, count) = (report.suite, cause.explains.len());
-    let [clause, effect, fix] = [&cause.clause, &cause.effect, &cause.fix].map(escape_markdown);
-    let clause = link(&clause, suite.clause_page(&cause.clause));
-    write!(out, "- **{count} of {all} failures:** the ")?;
-    writeln!(out, "{} {effect} (clause {clause}).  ", suite.subject())?;
+    let [effect, fix] = [&cause.effect, &cause.fix].map(escape_markdown);
+    write!(
+        out,
+        "- **{count} of {all} failures:** the {} {effect}",
+        suite.subject()
+    )?;
+    if let Some(clause) = cause.misread_clause() {
+        write!(
+            out,
+            " (clause {})",
+            link(&escape_markdown(clause), suite.clause_page(clause))
+        )?;
+    }
+    writeln!(out, ".  ")?;
     writeln!(out, "  Fix: {fix}.")?;
     match &cause.misreading {
         Some(slug) => {

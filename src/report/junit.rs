@@ -89,7 +89,7 @@ fn element(report: &Report, case: &CaseResult) -> Option<(&'static str, Markup)>
             let kind = clauses.map(|clauses| format!("clause {clauses}"));
             let element = html! {
                 failure message=(says) type=[kind] {
-                    @if let Some(cause) = cause { "The " (subject) " " (cause.effect) " (clause " (cause.clause) "). Fix: " (cause.fix) "." }
+                    @if let Some(cause) = cause { "The " (subject) " " (cause.effect) (cause.clause_text()) ". Fix: " (cause.fix) "." }
                 }
             };
             ("failure", element)

@@ -86,10 +86,7 @@ pub fn first_causes_to_text(
 
 /// Describes the behavior of a decoder with this mistake, and names the misread clause if there is one.
 fn behavior(cause: &LikelyCause) -> String {
-    match cause.blames_clause() {
-        true => format!("{} (clause {})", cause.effect, cause.clause),
-        false => cause.effect.clone(),
-    }
+    cause.effect.clone() + &cause.clause_text()
 }
 
 /// Report that is formatted for a terminal.
@@ -140,8 +137,9 @@ impl Page<'_> {
             None => (String::new(), MAX_OTHER_EXAMPLES),
         };
         writeln!(out, "  Fix: {}.{more}", cause.fix)?;
-        let explained = |case: &&&CaseResult| cause.explains.contains(&case.id);
-        for case in self.failing.iter().filter(explained).take(examples) {
+        // The example describes the first failure.
+        let result = |id: &String| self.failing.iter().find(|case| case.id == *id);
+        for case in cause.explains.iter().filter_map(result).take(examples) {
             self.write_failure(case, out)?;
         }
         writeln!(out)

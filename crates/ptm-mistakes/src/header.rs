@@ -123,6 +123,7 @@ pub const CHANGES: Changes = |slug| {
         },
         "trailing-point-refused" => |f| f.refuse_text(&[SCALE], |text| text.ends_with('.')),
         "scale-needs-a-point" => |f| f.refuse_text(&[SCALE], |text| !text.contains('.')),
+        "numbers-as-integers" => |f| f.respell(&[SCALE, "2.6/2"], as_integer),
         "scale-to-the-point" => |f| {
             f.respell(&[SCALE], |text| {
                 let whole = text_before(text, &['.'])?;
@@ -147,6 +148,7 @@ pub const CHANGES: Changes = |slug| {
                 text.parse::<f64>().is_err().then(|| number_prefix(text))
             })
         },
+        "numbers-left-unread" => leave_numbers_unread,
         "not-a-number-accepted" => {
             |f| f.respell(ANY, |text| (text == "nan").then(|| "0".to_owned()))
         }
@@ -213,8 +215,11 @@ fn without_carriage_returns(bytes: &[u8]) -> Vec<u8> {
     (0..bytes.len()).filter(is_kept).map(|i| bytes[i]).collect()
 }
 
-/// Removes the bytes at the start of the payload that `skip` accepts as whitespace.
+/// Removes the bytes at the start of the payload that `skip` accepts as whitespace, unless the header is malformed.
 fn skip_payload_bytes(file: &Anatomy, skip: fn(u8) -> bool) -> EditedFile {
+    if file.nth_field(BIAS, 5).is_none() {
+        return file.unchanged();
+    }
     let skipped = file.payload().iter().take_while(|&&byte| skip(byte));
     file.with_payload(&file.payload()[skipped.count()..])
 }
@@ -237,6 +242,107 @@ fn deinterleave_payload(file: &Anatomy) -> EditedFile {
             .copied()
             .collect(),
     )
+}
+
+/// Rewrites an uncompressed file as `fscanf` reads it if its result is ignored: the first text that is no number, and everything
+/// after it, is the payload. The numbers that are not read are 0. Whitespace after a number is skipped.
+fn leave_numbers_unread(file: &Anatomy) -> EditedFile {
+    let Some(format) = file.nth_field("2.2/1", 0) else {
+        return file.unchanged();
+    };
+    let name = &file.file[format.range.clone()];
+    let channels = match name {
+        b"PTM_FORMAT_RGB" => 18,
+        b"PTM_FORMAT_LRGB" => 9,
+        b"PTM_FORMAT_LUM" => 8,
+        _ => return file.unchanged(),
+    };
+    let mut rest = file.file[format.range.end..].trim_ascii_start();
+    let mut numbers = Vec::new();
+    for i in 0..14 {
+        let is_integer = !(2..8).contains(&i);
+        let Some((number, length)) = scan_number(rest, is_integer) else {
+            break;
+        };
+        numbers.push(number);
+        rest = rest[length..].trim_ascii_start();
+    }
+    let size: Vec<usize> = numbers
+        .iter()
+        .take(2)
+        .filter_map(|text| text.parse().ok())
+        .collect();
+    let ([width, height], true) = (&size[..], numbers.len() < 14) else {
+        return file.unchanged();
+    };
+    let payload = width.saturating_mul(*height).saturating_mul(channels);
+    let is_lum = channels == 8;
+    numbers.resize(if is_lum { 30 } else { 14 }, "0".to_owned());
+    let lines = [
+        &numbers[..1],
+        &numbers[1..2],
+        &numbers[2..8],
+        &numbers[8..14],
+        &numbers[14..],
+    ];
+    let mut header = file.file[..format.range.end].to_vec();
+    for line in lines.iter().filter(|line| !line.is_empty()) {
+        header.extend_from_slice(b"\n");
+        header.extend_from_slice(line.join(" ").as_bytes());
+    }
+    header.extend_from_slice(b"\n");
+    let payload = &rest[..rest.len().min(payload)];
+    EditedFile::File([&header, payload].concat())
+}
+
+/// Returns the number at the start of a text, as `fscanf` reads it, and its length.
+fn scan_number(text: &[u8], is_integer: bool) -> Option<(String, usize)> {
+    let number = |length: usize| {
+        let text = std::str::from_utf8(&text[..length]).ok()?;
+        let hexadecimal = || u32::from_str_radix(text.strip_prefix("0x")?, 16).ok();
+        let has_no_exponent = || {
+            let digits = text.strip_suffix('e');
+            digits.is_some_and(|digits| digits.parse::<f64>().is_ok())
+        };
+        let value = if is_integer {
+            text.parse::<i64>().ok()?;
+            text.to_owned()
+        } else if text.parse::<f64>().is_ok_and(f64::is_finite) {
+            text.to_owned()
+        } else if text.parse::<f64>().is_ok_and(f64::is_infinite) {
+            "1e300".to_owned()
+        } else if text == "nan" || text == "." || has_no_exponent() {
+            // Part of a number is consumed although it has no value.
+            "0".to_owned()
+        } else if text == "0x1p-1" {
+            "0.5".to_owned()
+        } else {
+            hexadecimal()?.to_string()
+        };
+        Some((value, length))
+    };
+    let word = text.iter().position(u8::is_ascii_whitespace);
+    (1..=word.unwrap_or(text.len())).rev().find_map(number)
+}
+
+/// Returns a number as `atoi` reads it, unless it is an integer.
+fn as_integer(text: &str) -> Option<String> {
+    text.parse::<f64>()
+        .ok()
+        .filter(|number| number.is_finite())?;
+    let (sign, digits) = match text.split_at_checked(1)? {
+        ("-", digits) => ("-", digits),
+        ("+", digits) => ("", digits),
+        _ => ("", text),
+    };
+    let end = digits.find(|c: char| !c.is_ascii_digit());
+    let digits = &digits[..end.unwrap_or(digits.len())];
+    let integer = if digits.is_empty() {
+        "0".to_owned()
+    } else {
+        format!("{sign}{digits}")
+    };
+    (integer != text).then_some(integer)
 }
 
 /// Returns the longest prefix that is a number, or "0".

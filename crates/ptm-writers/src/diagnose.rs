@@ -75,7 +75,10 @@ pub fn diagnose(
             equivalents: Vec::new(),
             accompanying: vec![second],
         };
-        Diagnosis::new(cause, pair.explains)
+        Diagnosis {
+            is_mechanism: true,
+            ..Diagnosis::new(cause, pair.explains)
+        }
     }));
     diagnoses.extend(describe_differences(suite, run, &failing));
     diagnoses
@@ -112,10 +115,11 @@ fn smallest_attempts<'a>(attempts: &'a Attempts, failing: &[usize]) -> Vec<&'a A
     smallest
 }
 
-/// Returns true if a reader with these mistakes misreads the right file. A writer with the mistakes would write another file.
+/// Returns true if a reader with these mistakes misreads the right file, so that a writer with the mistakes would write another.
 fn misreads_right_file(attempt: &Attempt, mistakes: &[&Misreading]) -> bool {
     let seen = MisreadFile::new(&attempt.reference_file, mistakes);
-    !seen.is_some_and(|seen| seen.is_right(&attempt.request))
+    // Within the loss, a wrong file may look right.
+    !attempt.request.is_lossy() && seen.is_some_and(|seen| !seen.is_right(&attempt.request))
 }
 
 /// Returns single mistakes that explain failures and that no passing case contradicts.
@@ -172,7 +176,7 @@ fn mistake_pairs(
             |attempt: &Attempt| misreads_right_file(attempt, &[first.change, second.change]);
         let contradicts = |index: usize| attempts.get(&index).is_some_and(is_misread);
         CoverCandidate::new((first, second), failing, explains, passing, contradicts)
-            .filter(|pair| pair.contradicted.is_empty() && 4 * pair.explains.len() >= failing.len())
+            .filter(|pair| 4 * pair.explains.len() >= failing.len())
     };
     let smallest = smallest_attempts(attempts, failing).into_iter();
     smallest.take(PAIR_SEARCH_FILES).filter_map(pair).collect()
@@ -207,7 +211,7 @@ pub(super) fn describe_differences<V: RequestValues>(
 pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: String) -> Cause<A> {
     Cause::Described {
         category: Category::Difference,
-        clause: clause.to_owned(),
+        clause: (!clause.is_empty()).then(|| clause.to_owned()),
         effect: effect.to_owned(),
         fix: fix.to_owned(),
         example,

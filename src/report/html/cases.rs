@@ -34,8 +34,11 @@ impl Group<'_> {
 
     pub(super) fn anchor(&self) -> String {
         match self.cause {
-            // Two causes of one kind may misread different clauses.
-            Some(cause) => format!("cases-{}-{}", cause.name(), cause.clause.replace('/', "-")),
+            // Several causes may be of one kind. Each has a different first case.
+            Some(cause) => format!(
+                "cases-{}",
+                cause.explains.first().map_or("none", String::as_str)
+            ),
             None => "cases-unexplained".to_owned(),
         }
     }

@@ -77,7 +77,7 @@ pub(super) fn section(report: &Report, clauses: &[Clause]) -> Markup {
     let tallies = tallies(report);
     let is_misread = |id: &str| {
         let mut causes = report.diagnoses.iter();
-        causes.any(|cause| cause.blames_clause() && cause.clause == id)
+        causes.any(|cause| cause.misread_clause() == Some(id))
     };
     html! {
         section aria-labelledby="clauses" {

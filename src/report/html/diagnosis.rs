@@ -38,16 +38,16 @@ pub(super) fn diagnosis(report: &Report, groups: &[Group], clauses: &[Clause]) -
 
 fn render_cause(report: &Report, cause: &LikelyCause, group: &Group, clauses: &[Clause]) -> Markup {
     let (suite, failures) = (report.suite, report.with_outcome(Outcome::Fail).count());
-    let rule = clauses.iter().find(|clause| clause.id == cause.clause);
     html! {
         article.cause {
             p.share { b { (cause.explains.len()) } " of " (failures) " failures" }
             div {
                 h3 { "The " (suite.subject()) " " (cause.effect) "." }
                 p.fix { b { "Fix: " } (cause.fix) "." }
-                @if cause.blames_clause() {
+                @if let Some(id) = cause.misread_clause() {
                     p.rule {
-                        b { "Clause " (link(suite.clause_page(&cause.clause), &html! { (cause.clause) })) } @if let Some(rule) = rule { ": " (rule.rule) }
+                        b { "Clause " (link(suite.clause_page(id), &html! { (id) })) }
+                        @if let Some(rule) = clauses.iter().find(|clause| clause.id == id) { ": " (rule.rule) }
                     }
                 }
                 @for (before, name, after, page) in details(cause, suite) {

@@ -3,4 +3,5 @@
 mod causes;
 mod precision;
 mod recordings;
+mod sentences;
 mod work;

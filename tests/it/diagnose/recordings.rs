@@ -103,7 +103,6 @@ fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
     let run = replay(suite, reader);
     let failures = run.judgment.with_outcome(Outcome::Fail).count();
     let found = diagnose(suite, &run, &[], 2);
-    assert!(found.faults.is_empty(), "{:?}", found.faults);
     println!(
         "\n{reader}: {failures} failures, {} answers computed in {:?}",
         found.answer_count, found.cpu_time
@@ -112,23 +111,30 @@ fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
         let (effect, example) = match diagnosis.cause {
             Cause::Misreading {
                 misreading,
-                accompanying: with,
+                accompanying,
                 ..
             } => {
-                let shows = match diagnosis.observed {
-                    Some(Cause::Described { effect, .. }) => effect,
-                    _ => String::new(),
-                };
-                let with = with.iter().map(|other| format!(" with {}", other.slug));
+                let with = accompanying
+                    .iter()
+                    .map(|other| format!(" with {}", other.slug));
                 let with: String = with.collect();
-                (format!("{}{with} {shows}", misreading.slug), String::new())
+                (format!("{}{with}", misreading.slug), String::new())
             }
             Cause::Described {
-                effect, example, ..
-            } => (effect, example),
+                effect,
+                example,
+                equivalents,
+                ..
+            } => {
+                let like = equivalents
+                    .iter()
+                    .map(|other| format!(" like {}", other.slug));
+                let like: String = like.collect();
+                (format!("{effect}{like}"), example)
+            }
         };
         let cause = ReportedCause {
-            count: diagnosis.explains.len() + diagnosis.partial.len(),
+            count: diagnosis.explains.len(),
             effect,
             example,
         };
@@ -206,15 +212,14 @@ fn decisions(
             Cause::Misreading { misreading, .. } => misreading.slug.to_owned(),
             Cause::Described {
                 category, clause, ..
-            } => format!("{} {clause}", category.name()),
+            } => format!("{} {clause:?}", category.name()),
         };
-        (name, [diagnosis.explains, diagnosis.partial].concat())
+        (name, diagnosis.explains)
     });
     outcomes.into_iter().chain(causes).collect()
 }
 
-/// Replaces the purposes of cases, the texts of misreadings and the messages by ids, and removes standard error. The decisions
-/// must be the same.
+/// Replaces the purposes of cases, the texts of misreadings and the messages by ids. The decisions must be the same.
 #[test]
 fn decisions_do_not_depend_on_texts() {
     let suite = suite().with_prepared_files();
@@ -236,9 +241,6 @@ fn decisions_do_not_depend_on_texts() {
         let mut run_with_ids = replay(&with_ids, reader);
         for verdict in run_with_ids.judgment.cases.iter_mut().flatten() {
             verdict.message = verdict.outcome.name().to_owned();
-        }
-        for observation in run_with_ids.observations.iter_mut().flatten() {
-            observation.stderr.clear();
         }
         let expected = decisions(&suite, &catalog, &run);
         assert!(expected.len() > Outcome::ALL.len(), "{reader}: no cause");

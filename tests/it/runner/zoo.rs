@@ -26,7 +26,7 @@ right chatters floods-stderr gigabytes-on-stderr a-million-writes byte-by-byte l
   leaves-a-daemon leaves-orphans keeps-zombies fills-its-scratch exhausts-descriptors prints-before-reading
   declares-rgb-only declares-exit-1 declares-everything-and-fails floods-on-capabilities
   bombs-on-capabilities babbles-on-capabilities | 0 | | none | pass: 17 pass
-refuses-all | 3 | | not judged | produces no output for the first requests
+refuses-all | 3 | | not judged | refuses all of the 48 first files
 unsupported-all | 3 | | not judged | 69 (unsupported) on all of the first requests
 exits-1 | 3 | | not judged | crash: exit status 1
 exits-101 | 3 | | not judged | crash: exit status 101
@@ -96,7 +96,7 @@ serves-extra | 1 | --serve | none | in serve mode && protocol error
 serves-before-asked | 1 | --serve --jobs 1 | any | in serve mode && protocol error
 serves-exit-codes | 1 | --serve --jobs 1 | 2 | expected the refusal code 65
 serves-five-times | 1 | --serve --jobs 1 | 2 | ended (exit status 0) without an answer; it had answered 5 requests
-serves-five-times-and-ignores-the-rest | 0 | --timeout 2 --serve --jobs 1 | none | exceeded the time limit of 2 s (`--timeout`) on && which is not a failure
+serves-five-times-and-ignores-the-rest | 0 | --timeout 2 --serve --jobs 1 | none | exceeded the time limit of 2 s (`--timeout`) on && the time is no failure
 serves-until-lum
   | 1 | --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | in serve mode, after first-rgb: crash: the serving process ended (killed by signal 6)
 serves-and-hangs-at-lum

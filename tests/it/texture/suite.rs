@@ -378,7 +378,7 @@ fn formats_of_texels_are_recognized() {
                 panic!("{slug}")
             };
             let is_alone = matches!(&first.cause, Cause::Misreading { equivalents, .. } if equivalents.is_empty());
-            assert!(is_alone && first.is_certain, "{slug}");
+            assert!(is_alone && first.is_mechanism, "{slug}");
             assert!(failing.len() > 50 && first.explains == failing, "{slug}");
             for i in failing {
                 let causes = causes_of_one_case(&suite, &mut run, i);

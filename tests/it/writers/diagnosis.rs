@@ -132,7 +132,7 @@ fn unrelated_mistakes_are_not_reported() {
         let causes = diagnose(&requests.suite, &run, 2);
         match &causes.first().expect("a cause").cause {
             Cause::Misreading { misreading, .. } => misreading.clause.to_owned(),
-            Cause::Described { clause, .. } => clause.clone(),
+            Cause::Described { clause, .. } => clause.clone().unwrap_or_default(),
         }
     };
     let transposed = first(|header| {

@@ -19,7 +19,7 @@ pub fn assume(suite: &Suite, run: &mut Run, assumed: &[&'static Misreading], thr
         return;
     }
     let mut changes: Vec<(usize, Outcome, String)> = Vec::new();
-    for witness in witnesses(suite, run, None, threads) {
+    for witness in witnesses(suite, run, threads) {
         if !witness.failed {
             continue;
         }
@@ -52,7 +52,7 @@ fn is_explained(witness: &Witness, answer: &Answer, assumed: &[&'static Misreadi
     let reproduces = |answer: &Answer| {
         matches!(
             witness.agreement(answer),
-            Agreement::Image | Agreement::Outcome
+            Agreement::Image | Agreement::BlankImage | Agreement::TwinImage | Agreement::Refusal
         )
     };
     let axes = relevant_axes(

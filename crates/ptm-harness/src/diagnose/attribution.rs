@@ -1,67 +1,126 @@
-//! Attributes failures to the mistakes that the search found.
-
-use std::collections::HashSet;
+//! Lists failures under the mistakes that the search found.
 
 use super::diagnosis::{Category, Cause, CauseText, Diagnosis};
 use super::failure_mode::FailureMode;
-use super::mistake::{ChannelSubset, Mistake};
-use super::scope::FileScope;
+use super::mistake::Mistake;
+use super::rules;
+use super::scope::list_formats;
 use super::search::{Member, MistakeId, MistakeSet, Search, ids_of, without_id};
-use super::tuning::{MAX_SAMPLE, MIN_SHARING_FILES, is_few, is_most, is_substantial};
-use super::witness::{Agreement, Witness};
-use super::words::refusals::{self, WholeFormats};
-use super::words::{acceptances, differences, formats_phrase};
-use ptm::Format;
+use super::tuning::is_few;
+use super::words::{acceptances, differences, formats_phrase, refusals, refusals::WholeFormats};
 use ptm_mistakes::formula::EditedForm;
-use ptm_mistakes::{Change, Misreading, Stage, Symptom};
-use ptm_suite::cases::Expect;
-use ptm_suite::protocol::frame::{Answer, ProcessEnd};
-use ptm_suite::verdicts::observation::Response;
+use ptm_mistakes::{Change, Misreading, Symptom};
 
-/// Failures listed under one mistake, and the other mistakes needed to explain them.
+/// Failures listed under one mistake, and the other mistakes needed to reproduce them.
 #[derive(Clone, Default)]
 struct Share {
     explains: Vec<usize>,
     with: MistakeSet,
 }
 
-/// Returns a diagnosis for each mistake that explains failures, and the failures that remain unexplained. Removes all mistakes
-/// from `found` that are not reported.
-pub(super) fn attribute_failures(
-    search: &Search,
-    found: &mut Vec<Member>,
-) -> (Vec<(MistakeId, Diagnosis)>, Vec<usize>) {
-    let whole = refusals::whole_formats(search.witnesses);
+/// The failures that mistakes explain.
+pub(super) struct Attribution {
+    /// One diagnosis for each mistake.
+    pub diagnoses: Vec<Diagnosis>,
+    /// The mistakes.
+    pub set: MistakeSet,
+    /// The failures that the mistakes do not reproduce.
+    pub left: Vec<usize>,
+}
+
+/// Lists each failure under the mistake that reproduces it. Mistakes with too little evidence are dropped.
+pub(super) fn attribute_failures(search: &Search, mut found: Vec<Member>) -> Attribution {
     loop {
-        let set = ids_of(found);
-        let (mut shares, mut left) = share_failures(search, &set);
-        let whole = whole.iter().filter_map(|whole| {
-            diagnose_whole_formats(search, whole, found, &mut shares, &mut left)
-        });
-        let mut diagnoses: Vec<(MistakeId, Diagnosis)> = whole.collect();
-        // Without a mistake that has too little evidence, the others may explain more failures.
+        let set = ids_of(&found);
+        let (shares, left) = share_failures(search, &set);
+        let needed: MistakeSet = (0..set.len())
+            .filter(|&index| !shares[index].explains.is_empty())
+            .flat_map(|index| [&[set[index]], &shares[index].with[..]].concat())
+            .collect();
         let is_unfounded = |&index: &usize| {
             let explained = &shares[index].explains;
-            !explained.is_empty()
-                && (is_weak(search, &set, index, &shares[index], &left)
-                    || is_incompatible(search, &set, &shares, index)
-                    || is_minor(search.witnesses, explained, &left)
-                    || is_too_broad(search, set[index], explained, &left))
+            !needed.contains(&set[index])
+                || !explained.is_empty() && !is_founded(search, &set, set[index], explained, &left)
         };
-        if let Some(index) = (0..set.len()).find(is_unfounded) {
+        if let Some(excluded) = excluded_mistakes(search, &set, &shares) {
+            found.retain(|member| !excluded.contains(&member.id));
+            continue;
+        }
+        // The mistake that was found last has the least support.
+        if let Some(index) = (0..set.len()).rev().find(is_unfounded) {
             found.remove(index);
             continue;
         }
-        let mut reported = MistakeSet::new();
-        for (member, share) in found.iter().zip(&shares) {
-            if !share.explains.is_empty() {
-                reported.push(member.id);
-                reported.extend(&share.with);
-                diagnoses.push((member.id, diagnose_member(search, member, share, &left)));
-            }
+        let whole = refusals::whole_formats(search.witnesses);
+        return describe_shares(search, &found, shares, left, &whole);
+    }
+}
+
+/// Returns mistakes that exclude each other, if any: a decoder computes a value in one way only, so two changes of it that never
+/// appear together are parts of another mistake. If one of them explains few failures, only that one is returned.
+fn excluded_mistakes(search: &Search, set: &MistakeSet, shares: &[Share]) -> Option<MistakeSet> {
+    (0..set.len()).rev().find_map(|later| {
+        let excludes = |earlier: &usize| {
+            search.change_same_value(set[*earlier], set[later])
+                && !shares[*earlier].with.contains(&set[later])
+                && !shares[later].with.contains(&set[*earlier])
+        };
+        let earlier = (0..later).find(excludes)?;
+        let [many, few] = [earlier, later].map(|index| shares[index].explains.len());
+        Some(match is_few(few, many) {
+            true => vec![set[later]],
+            false => vec![set[earlier], set[later]],
+        })
+    })
+}
+
+fn is_founded(
+    search: &Search,
+    set: &MistakeSet,
+    id: MistakeId,
+    explained: &[usize],
+    left: &[usize],
+) -> bool {
+    rules::explains_most_of_what_it_changes(search, set, id, explained, left)
+        && !is_contradicted(search, &without_id(set, id), id)
+        && !refusals::is_part_of_a_larger_group(search.witnesses, explained)
+        && !refusals::is_single_among_others(search.witnesses, explained, left)
+}
+
+/// Returns true if any response, also to a large file, contradicts the mistake.
+fn is_contradicted(search: &Search, without: &MistakeSet, id: MistakeId) -> bool {
+    let all: Vec<usize> = (0..search.witnesses.len()).collect();
+    let contradicts = search.par_map(&all, |&w| search.is_contradicted(w, without, id));
+    contradicts.contains(&true)
+}
+
+fn describe_shares(
+    search: &Search,
+    found: &[Member],
+    mut shares: Vec<Share>,
+    mut left: Vec<usize>,
+    whole: &[WholeFormats],
+) -> Attribution {
+    let set = ids_of(found);
+    let mut diagnoses = Vec::new();
+    for formats in whole {
+        diagnoses.extend(diagnose_whole_formats(
+            search,
+            formats,
+            found,
+            &mut shares,
+            &mut left,
+        ));
+    }
+    for (member, share) in found.iter().zip(&shares) {
+        if !share.explains.is_empty() {
+            diagnoses.extend(diagnose_member(search, &set, member, share));
         }
-        found.retain(|member| reported.contains(&member.id));
-        return (diagnoses, left);
+    }
+    Attribution {
+        diagnoses,
+        set,
+        left,
     }
 }
 
@@ -84,59 +143,42 @@ fn share_failures(search: &Search, set: &MistakeSet) -> (Vec<Share>, Vec<usize>)
             }
         }
     }
+    for share in &mut shares {
+        rules::sort_smallest_first(search.witnesses, &mut share.explains);
+    }
     (shares, left)
 }
 
-/// Returns true if a more general mistake may explain the failures: in the same formats and the same or earlier views, either
-/// - more than three times as many wrong images remain unexplained, and the explained failures are mostly images, or
-/// - the unexplained images of earlier views number more than half of the explained failures.
-///
-/// Images in later views do not count, because a mistake in a later step may explain them.
-fn is_minor(witnesses: &[Witness], explained: &[usize], left: &[usize]) -> bool {
-    let kind = |w: &usize| witnesses[*w].observation.view.kind();
-    let earliest = explained.iter().map(kind).min();
-    let format = |w: &usize| witnesses[*w].case.format();
-    let is_image = |w: &usize| witnesses[*w].is_telling_image();
-    let has_same_format = |w: &usize| explained.iter().any(|other| format(other) == format(w));
-    let mut open = left.to_vec();
-    open.retain(|w| is_image(w) && Some(kind(w)) <= earliest && has_same_format(w));
-    let earlier = open.iter().filter(|w| Some(kind(w)) < earliest).count();
-    let images = explained.iter().filter(|w| is_image(w)).count();
-    earlier >= MIN_SHARING_FILES && is_most(earlier, explained.len())
-        || is_most(images, explained.len()) && !is_substantial(images, images + open.len())
-}
-
-/// Returns true if the mistake is restricted to some files, but too many wrong images of such files remain unexplained: more than
-/// a few if the files share a property, or more than the mistake explains if they share a format. Blank images do not count.
-fn is_too_broad(search: &Search, id: MistakeId, explained: &[usize], left: &[usize]) -> bool {
-    let scope = &search.mistakes[id].scope;
-    let format = |w: &usize| search.witnesses[*w].case.format();
-    let formats: HashSet<Format> = explained.iter().map(format).collect();
-    let is_open = |w: &&usize| {
-        let witness = &search.witnesses[**w];
-        witness.is_telling_image() && scope.contains(witness) && formats.contains(&format(w))
-    };
-    let open = left.iter().filter(is_open).count();
-    match scope {
-        FileScope::All => false,
-        FileScope::Formats(_) => open > explained.len(),
-        _ => !is_few(open, explained.len()),
+/// Returns the indices in `set` of the mistakes that are needed to reproduce a failure: one mistake that is sufficient alone, or
+/// else all indispensable mistakes. Returns the first mistake if none is indispensable.
+fn needed_mistakes(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
+    let explained = |set: &[MistakeId]| search.explains(w, set);
+    // A decoder meets the mistake in the earliest section first.
+    let sufficient = (0..set.len()).filter(|&member| explained(&[set[member]]));
+    if let Some(alone) = sufficient.min_by_key(|&member| search.mistakes[set[member]].section()) {
+        return vec![alone];
     }
+    if set.is_empty() || !explained(set) {
+        return Vec::new();
+    }
+    let is_needed = |&member: &usize| !explained(&without_id(set, set[member]));
+    let needed: Vec<usize> = (0..set.len()).filter(is_needed).collect();
+    if needed.is_empty() { vec![0] } else { needed }
 }
 
-/// Describes the formats in `whole`, whose legal files all fail in the same way. Drops mistakes that explain only these failures.
-/// Returns `None` if one of the mistakes also explains other failures.
+/// Describes the formats in `whole`, whose legal files all fail in the same way, and removes these failures from the shares of the
+/// mistakes. Returns `None` if a mistake that explains them also explains other failures.
 fn diagnose_whole_formats(
     search: &Search,
     whole: &WholeFormats,
     members: &[Member],
     shares: &mut [Share],
     left: &mut Vec<usize>,
-) -> Option<(MistakeId, Diagnosis)> {
+) -> Option<Diagnosis> {
     let is_covered = |w: &usize| whole.cases.contains(w);
     let is_seen_elsewhere = |share: &Share| {
         let inside = share.explains.iter().filter(|w| is_covered(w)).count();
-        is_substantial(inside, whole.cases.len()) && inside < share.explains.len()
+        inside > 0 && inside < share.explains.len()
     };
     if shares.iter().any(is_seen_elsewhere) {
         return None;
@@ -144,8 +186,7 @@ fn diagnose_whole_formats(
     let mut alike = Vec::new();
     for (member, share) in members.iter().zip(shares) {
         if share.explains.iter().any(is_covered) {
-            let ids = std::iter::once(&member.id).chain(&member.equivalents);
-            // An equivalent mistake may fail only some of these files.
+            let ids = std::iter::once(&member.id).chain(&member.alternatives);
             let explains = |&&id: &&MistakeId| {
                 let agrees = |&w: &usize| search.agreement(w, &[id]).explains();
                 whole.cases.iter().all(agrees)
@@ -158,138 +199,71 @@ fn diagnose_whole_formats(
         share.explains.retain(|w| !is_covered(w));
     }
     left.retain(|w| !is_covered(w));
-    // No mistake has this id, so no failure is partially attributed to it.
-    Some((MistakeId::MAX, whole.describe(search.witnesses, alike)))
+    Some(whole.describe(search.witnesses, alike))
 }
 
-/// Returns true if the evidence for a misreading is too weak:
-/// - more cases contradict it than support it, or more than half as many if it explains images (images of files that it would
-///   refuse count as contradictions),
-/// - only malformed files support it, and some case contradicts it,
-/// - only a single legal file supports it, and the response is not an image,
-/// - it explains a crash by a signal, and no image supports it, or
-/// - it changes values, no image supports it, and it explains fewer failures than there are unexplained images.
-fn is_weak(search: &Search, set: &[MistakeId], i: usize, share: &Share, left: &[usize]) -> bool {
-    let Some(misreading) = search.mistakes[set[i]].catalog_misreading() else {
-        return false;
-    };
-    let (witnesses, explained) = (search.witnesses, &share.explains);
-    let alone = &set[i..=i];
-    let would_refuse = |w, set| search.agreement(w, set) == Agreement::Contradiction;
-    let is_read = |w: &&usize| would_refuse(**w, alone) && would_refuse(**w, set);
-    let read = search.failing().iter().filter(is_read).count();
-    let contradictions = read + search.contradictions(alone).len();
-    let is_guess = || acceptances::describe_acceptances(witnesses, explained, misreading).is_some();
-    let mode = |w: &usize| FailureMode::new(&witnesses[*w]);
-    let signal = |text: &str| matches!(ProcessEnd::parse(text), Some(ProcessEnd::Signal(_)));
-    let is_signal = |w| matches!(mode(w), Some(FailureMode::Crashes(text)) if signal(&text));
-    let images = |indices: &[usize]| indices.iter().filter(|w| mode(w).is_none()).count();
-    let is_hidden = misreading.symptom != Symptom::Refusals && images(explained) == 0;
-    let is_single = matches!(explained[..], [w] if witnesses[w].case.expect == Expect::Decode);
-    images(explained) == 0 && (is_single || explained.iter().any(is_signal))
-        || is_hidden && images(left) > explained.len()
-        || contradictions > explained.len()
-        || images(explained) > 0 && is_most(contradictions, explained.len())
-        || contradictions > 0 && is_guess()
-}
-
-/// Returns true if the mistake at `index` is incompatible with mistakes that explain more failures, because it would spoil more
-/// responses than it explains. A response is spoiled if one of these other mistakes reproduces it alone, but not in combination
-/// with the mistake at `index`.
-fn is_incompatible(search: &Search, set: &[MistakeId], shares: &[Share], index: usize) -> bool {
-    let own = shares[index].explains.len();
-    let others = (0..shares.len()).filter(|&other| shares[other].explains.len() > own);
-    let pairs = others.flat_map(|other| {
-        let files = search.smallest(&shares[other].explains, MAX_SAMPLE);
-        files.into_iter().map(move |w| (other, w))
-    });
-    let conflicts = search.par_map(&pairs.collect::<Vec<_>>(), |&(other, w)| {
-        let both = [set[other], set[index]];
-        search.answers_differ(w, &both, &both[..1])
-            && search.agreement(w, &both[..1]).explains()
-            && !search.agreement(w, &both).explains()
-    });
-    conflicts.into_iter().filter(|conflicts| *conflicts).count() > own
-}
-
-fn diagnose_member(search: &Search, member: &Member, share: &Share, left: &[usize]) -> Diagnosis {
+/// Returns the diagnoses for a mistake: the mistake or, if the responses do not show it, observations.
+fn diagnose_member(
+    search: &Search,
+    set: &MistakeSet,
+    member: &Member,
+    share: &Share,
+) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
-    let listed = |set: &[MistakeId]| -> Vec<&'static Misreading> {
-        let mistakes = set.iter().map(|&id| &search.mistakes[id]);
-        mistakes.filter_map(Mistake::catalog_misreading).collect()
-    };
+    let explained = &share.explains;
     let mistake = &search.mistakes[member.id];
     let Some(misreading) = mistake.unrestricted_misreading() else {
-        return diagnose_edit(search, mistake, share, left);
+        return vec![diagnose_edit(search, set, member.id, share)];
     };
-    // A mistake that is restricted to some files differs from the misreading in the catalog.
     let alike = member
-        .equivalents
+        .alternatives
         .iter()
+        .filter(|&&other| rules::looks_the_same(search, set, [member.id, other], explained))
+        .filter(|&&other| !is_contradicted(search, &without_id(set, member.id), other))
         .filter_map(|&id| search.mistakes[id].unrestricted_misreading());
-    let mut alike: Vec<&'static Misreading> = alike.collect();
-    let observed = refusals::describe_observation(witnesses, &share.explains);
-    if let Some(observed) = observed.filter(|_| misreading.symptom != Symptom::Refusals) {
-        return observed.with_equivalents([&[misreading], &alike[..]].concat());
-    }
-    let in_suite = |indices: &[usize]| -> Vec<usize> {
-        indices.iter().map(|&w| witnesses[w].case_index).collect()
-    };
-    let accepted = acceptances::describe_acceptances(witnesses, &share.explains, misreading);
-    // A decoder with a misreading that accepts other malformed files as well would not look the same.
-    let accepts_more = |misreading: &'static Misreading| {
-        let mistake = Mistake::unscoped(misreading);
-        let accepts = |w: &usize| {
-            let witness = &witnesses[*w];
-            witness.expected == Answer::Rejected
-                && matches!(witness.observation.response, Response::Rejected)
-                && matches!(*witness.answer(&[&mistake]), Answer::Decoded(_))
-        };
-        search.run_or_default(|| search.passing.iter().any(accepts))
-    };
-    if accepted.is_some() {
-        alike.retain(|misreading| !accepts_more(misreading));
-    }
-    let observed = match accepted {
-        Some(accepted) if accepts_more(misreading) => {
-            let diagnosis = Diagnosis::new(accepted, in_suite(&share.explains));
-            return diagnosis.with_equivalents(alike);
+    let alike: Vec<&'static Misreading> = alike.collect();
+    let is_unique = alike.iter().all(|other| other.clause == misreading.clause);
+    let is_observation = misreading.symptom != Symptom::Values;
+    if !rules::is_shown_by_responses(search, set, misreading, explained)
+        || is_observation && !is_unique
+    {
+        let alike = [&[misreading], &alike[..]].concat();
+        let is_accepted = |w: &usize| FailureMode::new(&witnesses[*w]).is_none();
+        let (accepted, stopped): (Vec<usize>, Vec<usize>) =
+            explained.iter().copied().partition(is_accepted);
+        let mut observations = Vec::new();
+        if !accepted.is_empty() {
+            observations.push(acceptances::describe_group(witnesses, &accepted));
         }
-        accepted => refusals::describe_non_images(witnesses, &share.explains, misreading, &alike)
-            .or(accepted),
-    };
+        if !stopped.is_empty() {
+            observations.push(refusals::describe_failures(witnesses, &stopped));
+        }
+        let observations = observations.into_iter();
+        return observations
+            .map(|one| one.with_equivalents(alike.clone()))
+            .collect();
+    }
+    let others = share.with.iter().map(|&id| &search.mistakes[id]);
     let cause = Cause::Misreading {
         misreading,
         equivalents: alike,
-        accompanying: listed(&share.with),
+        accompanying: others.filter_map(Mistake::catalog_misreading).collect(),
     };
-    Diagnosis {
-        contradicted_by: in_suite(&search.contradictions(&[member.id])),
-        observed,
-        is_certain: true,
-        ..Diagnosis::new(cause, in_suite(&share.explains))
-    }
+    vec![Diagnosis {
+        is_mechanism: true,
+        ..Diagnosis::new(cause, search.case_indices(explained))
+    }]
 }
 
-/// Returns the diagnosis for an edit of a formula, or for a misreading that is restricted to some files or channels.
-fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share, left: &[usize]) -> Diagnosis {
+/// Returns the diagnosis for an edit of a formula, or for a misreading that is restricted to some formats or channels.
+fn diagnose_edit(search: &Search, set: &MistakeSet, id: MistakeId, share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
+    let mistake = &search.mistakes[id];
     let misreading = mistake.misreading;
-    let files = match &mistake.scope {
-        // An edit may change nothing in other formats.
-        FileScope::All => formats_phrase(witnesses, &share.explains),
-        scope => {
-            // The decoder may make the same mistake in the other files, with other results.
-            let is_open = |w: &&usize| {
-                let witness = &witnesses[**w];
-                witness.is_image_of_legal_file() && !scope.contains(witness)
-            };
-            let open = left.iter().filter(is_open).count();
-            match is_few(open, share.explains.len()) {
-                true => format!(", only in files {}", scope.describe_members()),
-                false => format!(", in files {}", scope.describe_members()),
-            }
-        }
+    let files = match &mistake.formats {
+        // The mistake may also change other formats, in other files than these.
+        None => formats_phrase(witnesses, &share.explains),
+        Some(formats) => format!(", in files of format {}", list_formats(formats)),
     };
     let (effect, fix) = match (mistake.catalog_misreading(), misreading.change) {
         (None, Change::Edits([edit])) => {
@@ -317,80 +291,9 @@ fn diagnose_edit(search: &Search, mistake: &Mistake, share: &Share, left: &[usiz
     let text = CauseText {
         effect: effect + &mistake.channels.describe() + &files,
         fix,
-        example: differences::example(
-            search,
-            &[],
-            differences::smallest_file(witnesses, &share.explains),
-        ),
+        example: differences::example_of_mistake(search, set, id, share.explains[0]),
     };
-    let described =
-        Diagnosis::from_description(Category::Difference, witnesses, &share.explains, text);
-    Diagnosis {
-        is_certain: true,
-        ..described.with_clause(misreading.clause)
-    }
-}
-
-/// Returns the indices in `set` of the mistakes that are needed to explain a failure: one mistake that is sufficient alone, or
-/// else all indispensable mistakes. Returns the first mistake if none is indispensable.
-fn needed_mistakes(search: &Search, w: usize, set: &[MistakeId]) -> Vec<usize> {
-    let explained = |set: &[MistakeId]| search.explains(w, set);
-    if let Some(alone) = (0..set.len()).find(|&member| explained(&[set[member]])) {
-        return vec![alone];
-    }
-    if set.is_empty() || !explained(set) {
-        return Vec::new();
-    }
-    let is_needed = |&member: &usize| !explained(&without_id(set, set[member]));
-    let needed: Vec<usize> = (0..set.len()).filter(is_needed).collect();
-    if needed.is_empty() { vec![0] } else { needed }
-}
-
-/// Returns true if the response contains colors computed from channels that the mistake changes.
-fn shows_in_colors(search: &Search, w: usize, member: MistakeId) -> bool {
-    let (witness, mistake) = (&search.witnesses[w], &search.mistakes[member]);
-    mistake.channels != ChannelSubset::All
-        && mistake.misreading.stage() < Stage::Color
-        && witness.is_rgb()
-        && witness.can_affect(mistake)
-        && FailureMode::new(witness).is_none()
-}
-
-/// Extends each diagnosis with the failures that its mistake partially explains. Removes these failures from `left`.
-pub(super) fn attribute_partially(
-    search: &Search,
-    found: &[Member],
-    diagnoses: &mut [(MistakeId, Diagnosis)],
-    left: &mut Vec<usize>,
-) {
-    let set = ids_of(found);
-    let named: MistakeSet = diagnoses.iter().map(|(id, _)| *id).collect();
-    let changes = |w: usize, member: MistakeId| {
-        FailureMode::new(&search.witnesses[w]).is_none()
-            && search.answers_differ(w, &set, &without_id(&set, member))
-    };
-    // A mistake that reproduces nearly all images that it changes also affects the remaining ones.
-    let explains_nearly_all = |member: MistakeId| {
-        let explained = diagnoses.iter().find(|(id, _)| *id == member);
-        let explained = explained.map_or(0, |(_, diagnosis)| diagnosis.explains.len());
-        let open = left.iter().filter(|&&w| changes(w, member)).count();
-        is_few(open, explained)
-    };
-    let thorough = set.iter().copied().filter(|&id| explains_nearly_all(id));
-    let thorough: Vec<MistakeId> = thorough.collect();
-    left.retain(|&w| {
-        let explains_partially = |&&member: &&MistakeId| {
-            named.contains(&member)
-                && (thorough.contains(&member) && changes(w, member)
-                    || shows_in_colors(search, w, member)
-                    || differences::reduces_wrong_samples(search, w, &set, member))
-        };
-        let member = set.iter().find(explains_partially);
-        let known = member.and_then(|member| diagnoses.iter_mut().find(|(id, _)| id == member));
-        let is_left = known.is_none();
-        if let Some((_, diagnosis)) = known {
-            diagnosis.partial.push(search.witnesses[w].case_index);
-        }
-        is_left
-    });
+    let (cases, category) = (&share.explains, Category::Difference);
+    Diagnosis::from_description(category, witnesses, cases, text, None)
+        .with_mechanism(misreading.clause)
 }

@@ -1,29 +1,26 @@
 //! Greedy set cover: finds a small set of causes that together explain the failures.
 //!
 //! - The candidate that explains the most failures is chosen first, then the best candidate for the remaining failures.
-//! - A candidate is chosen last unless more failures support it than passing cases contradict it.
-//! - Ties are broken in favor of fewer contradictions, then by order in the list.
-//! - Candidates that explain the same failures and have the same contradictions are equivalent: no case distinguishes them.
-
-use std::cmp::Reverse;
+//! - A passing case that a decoder with the mistake would fail contradicts the candidate. It is not chosen.
+//! - Ties are broken by the order in the list.
+//! - Candidates that explain the same failures are equivalent: no case distinguishes them.
 
 use super::diagnosis::{Cause, Diagnosis};
 use ptm_mistakes::Misreading;
 
-/// A possible cause, with the cases that support and contradict it.
+/// A possible cause, with the cases that support it.
 pub struct CoverCandidate<T> {
     /// The candidate.
     pub cause: T,
     /// Suite indices of the failing cases that the candidate reproduces.
     pub explains: Vec<usize>,
-    /// Suite indices of the passing cases that a decoder with this mistake would fail.
-    pub contradicted: Vec<usize>,
     /// Causes that no case distinguishes from this cause. Filled in by [`cover`].
     pub equivalents: Vec<T>,
 }
 
 impl<T> CoverCandidate<T> {
-    /// Tests `cause` against the failing and the passing cases. Returns `None` if the cause explains no failure.
+    /// Tests `cause` against the failing and the passing cases. Returns `None` if it explains no failure, or if a passing case
+    /// contradicts it.
     pub fn new(
         cause: T,
         failing: &[usize],
@@ -31,21 +28,17 @@ impl<T> CoverCandidate<T> {
         passing: &[usize],
         contradicts: impl Fn(usize) -> bool,
     ) -> Option<CoverCandidate<T>> {
-        let select = |all: &[usize], holds: &dyn Fn(usize) -> bool| -> Vec<usize> {
-            all.iter().copied().filter(|&case| holds(case)).collect()
-        };
-        let explains = select(failing, &explains);
-        (!explains.is_empty()).then(|| CoverCandidate {
+        let explains: Vec<usize> = failing
+            .iter()
+            .copied()
+            .filter(|&case| explains(case))
+            .collect();
+        let is_possible = !explains.is_empty() && !passing.iter().any(|&case| contradicts(case));
+        is_possible.then(|| CoverCandidate {
             cause,
             explains,
-            contradicted: select(passing, &contradicts),
             equivalents: Vec::new(),
         })
-    }
-
-    /// Returns true if more failures support the candidate than passing cases contradict it.
-    pub fn is_supported(&self) -> bool {
-        self.explains.len() > self.contradicted.len()
     }
 }
 
@@ -59,8 +52,7 @@ impl<A> CoverCandidate<&'static Misreading<A>> {
             accompanying: Vec::new(),
         };
         Diagnosis {
-            is_certain: self.contradicted.is_empty(),
-            contradicted_by: self.contradicted,
+            is_mechanism: true,
             ..Diagnosis::new(cause, self.explains)
         }
     }
@@ -77,19 +69,17 @@ pub fn cover<T: Copy>(
             candidate.explains.retain(|case| failing.contains(case));
         }
         candidates.retain(|candidate| !candidate.explains.is_empty());
-        let best = (0..candidates.len()).min_by_key(|&i| {
-            let candidate = &candidates[i];
-            let (explained, contradicted) = (&candidate.explains, &candidate.contradicted);
-            let order = (Reverse(explained.len()), contradicted.len());
-            (!candidate.is_supported(), order)
-        });
+        // `max_by_key` returns the last maximum.
+        let best = (0..candidates.len())
+            .rev()
+            .max_by_key(|&i| candidates[i].explains.len());
         let Some(best) = best else {
             return chosen;
         };
         let mut best = candidates.remove(best);
-        let others = candidates.iter().filter(|other| {
-            other.explains == best.explains && other.contradicted == best.contradicted
-        });
+        let others = candidates
+            .iter()
+            .filter(|other| other.explains == best.explains);
         best.equivalents = others.map(|other| other.cause).collect();
         failing.retain(|case| !best.explains.contains(case));
         chosen.push(best);
@@ -100,11 +90,10 @@ pub fn cover<T: Copy>(
 mod tests {
     use super::*;
 
-    fn candidate(cause: char, explains: &[usize], contradicted: &[usize]) -> CoverCandidate<char> {
+    fn candidate(cause: char, explains: &[usize]) -> CoverCandidate<char> {
         CoverCandidate {
             cause,
             explains: explains.to_vec(),
-            contradicted: contradicted.to_vec(),
             equivalents: Vec::new(),
         }
     }
@@ -113,9 +102,9 @@ mod tests {
     fn cover_chooses_the_largest_candidate_first() {
         let mut failing = vec![1, 2, 3, 4, 5];
         let candidates = vec![
-            candidate('a', &[1, 2], &[]),
-            candidate('b', &[1, 2, 3], &[]),
-            candidate('c', &[3, 4], &[]),
+            candidate('a', &[1, 2]),
+            candidate('b', &[1, 2, 3]),
+            candidate('c', &[3, 4]),
         ];
         let chosen = cover(candidates, &mut failing);
         let causes: Vec<char> = chosen.iter().map(|candidate| candidate.cause).collect();
@@ -123,12 +112,12 @@ mod tests {
     }
 
     #[test]
-    fn contradicted_candidates_come_last() {
+    fn candidates_with_the_same_failures_are_equivalent() {
         let mut failing = vec![1, 2];
         let candidates = vec![
-            candidate('a', &[1, 2], &[7, 8]),
-            candidate('b', &[1], &[]),
-            candidate('c', &[1], &[]),
+            candidate('b', &[1]),
+            candidate('c', &[1]),
+            candidate('a', &[2]),
         ];
         let chosen = cover(candidates, &mut failing);
         let causes = chosen.into_iter().map(|c| (c.cause, c.equivalents));
@@ -136,5 +125,13 @@ mod tests {
             causes.collect::<Vec<_>>(),
             [('b', vec!['c']), ('a', vec![])]
         );
+    }
+
+    #[test]
+    fn a_contradicted_candidate_is_dropped() {
+        let is_one = |case| case == 1;
+        assert!(CoverCandidate::new('a', &[1, 2], is_one, &[3], |_| false).is_some());
+        assert!(CoverCandidate::new('a', &[1, 2], is_one, &[3], |_| true).is_none());
+        assert!(CoverCandidate::new('a', &[2], is_one, &[3], |_| false).is_none());
     }
 }

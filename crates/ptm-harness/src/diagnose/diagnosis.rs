@@ -4,32 +4,23 @@ use std::time::Duration;
 
 use serde::{Deserialize, Serialize};
 
-use super::{tuning::is_most, witness::Witness};
-use ptm::Format;
+use super::{rules, witness::Witness};
 use ptm_mistakes::{Change, Misreading};
 
 /// A cause and the cases that it explains.
 pub struct Diagnosis<A: 'static = Change> {
     /// The cause.
     pub cause: Cause<A>,
-    /// Suite indices of the failing cases that the cause reproduces.
+    /// Suite indices of the failing cases that the cause reproduces or describes. The example is the first one.
     pub explains: Vec<usize>,
-    /// Failing cases that the cause partially explains.
-    pub partial: Vec<usize>,
-    /// Passing cases that a decoder with this mistake would fail.
-    pub contradicted_by: Vec<usize>,
-    /// Observed behavior, which is reported instead of the cause if other causes would have the same effect.
-    pub observed: Option<Cause<A>>,
-    /// True if a decoder with this mistake was compared with every case and reproduces the responses.
-    pub is_certain: bool,
+    /// True if the cause states how the decoder computes, and a decoder that computes in this way reproduces the responses.
+    pub is_mechanism: bool,
 }
 
 /// The result of a search for causes.
 pub struct Causes<A: 'static = Change> {
     /// Diagnoses, sorted by the number of failures that they explain, in descending order.
     pub diagnoses: Vec<Diagnosis<A>>,
-    /// Messages of panics during the search. Each indicates a bug in this program that may hide a cause.
-    pub faults: Vec<String>,
     /// Number of answers that were computed for decoders with mistakes.
     pub answer_count: usize,
     /// CPU time of the search, if the system reports it.
@@ -40,7 +31,6 @@ impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
     fn from(diagnoses: Vec<Diagnosis<A>>) -> Causes<A> {
         Causes {
             diagnoses,
-            faults: Vec::new(),
             answer_count: 0,
             cpu_time: None,
         }
@@ -62,8 +52,8 @@ pub enum Cause<A: 'static = Change> {
     Described {
         /// Category of the failures.
         category: Category,
-        /// Clause that the cases test.
-        clause: String,
+        /// Clause that all of the cases test, if there is one.
+        clause: Option<String>,
         /// Behavior of the decoder, as a sentence without a subject: "refuses …".
         effect: String,
         /// Advice, in the imperative: "read …".
@@ -118,25 +108,24 @@ impl<A> Diagnosis<A> {
         Diagnosis {
             cause,
             explains,
-            partial: Vec::new(),
-            contradicted_by: Vec::new(),
-            observed: None,
-            is_certain: false,
+            is_mechanism: false,
         }
     }
 }
 
 impl Diagnosis {
-    /// Creates a diagnosis that describes the witnesses at `indices`, with the first clause of most of them.
+    /// Creates a diagnosis that describes these failures. The clause is `clause` if all of the cases test it.
     pub(super) fn from_description(
         category: Category,
         witnesses: &[Witness],
-        indices: &[usize],
+        cases: &[usize],
         text: CauseText,
+        clause: Option<&str>,
     ) -> Diagnosis {
+        let clause = rules::common_clause(witnesses, cases, clause);
         let cause = Cause::Described {
             category,
-            clause: most_frequent_clause(witnesses, indices).to_owned(),
+            clause: clause.map(str::to_owned),
             effect: text.effect,
             fix: text.fix,
             example: text.example,
@@ -144,8 +133,17 @@ impl Diagnosis {
         };
         Diagnosis::new(
             cause,
-            indices.iter().map(|&w| witnesses[w].case_index).collect(),
+            cases.iter().map(|&w| witnesses[w].case_index).collect(),
         )
+    }
+
+    /// Declares the cause a mechanism, which misreads this clause.
+    pub(super) fn with_mechanism(mut self, misread: &str) -> Diagnosis {
+        self.is_mechanism = true;
+        if let Cause::Described { clause, .. } = &mut self.cause {
+            *clause = Some(misread.to_owned());
+        }
+        self
     }
 
     /// Sets the misreadings that would have the same effect.
@@ -154,41 +152,5 @@ impl Diagnosis {
             *equivalents = others;
         }
         self
-    }
-
-    /// Replaces the clause that was inferred from the cases, unless `new` is `None`.
-    pub(super) fn with_clause<'a>(mut self, new: impl Into<Option<&'a str>>) -> Diagnosis {
-        if let (Cause::Described { clause, .. }, Some(new)) = (&mut self.cause, new.into()) {
-            new.clone_into(clause);
-        }
-        self
-    }
-}
-
-/// Returns the first clause of most of these cases or, if there is none, the clause about the layout that the files share.
-fn most_frequent_clause<'a>(witnesses: &'a [Witness], indices: &[usize]) -> &'a str {
-    let clause = |w: &usize| {
-        witnesses[*w]
-            .case
-            .clauses
-            .first()
-            .map_or("", String::as_str)
-    };
-    let count = |clause_of: &str| indices.iter().filter(|w| clause(w) == clause_of).count();
-    let mut clauses = indices.iter().map(clause);
-    let most = clauses.find(|&one| !one.is_empty() && is_most(count(one), indices.len()));
-    most.unwrap_or_else(|| shared_clause(witnesses, indices))
-}
-
-/// Returns the clause about the layout that these files share: the layout of their format, of tables, or of compressed planes. If
-/// the layouts differ in other ways, returns the clause about the header.
-fn shared_clause(witnesses: &[Witness], indices: &[usize]) -> &'static str {
-    let formats = indices.iter().map(|&w| witnesses[w].case.format());
-    let formats: Vec<Format> = formats.collect();
-    let first = formats[0].layout_clause();
-    match formats.iter().all(|format| format.layout_clause() == first) {
-        true => first,
-        false if formats.iter().all(|format| format.has_table()) => "2.5/1",
-        false => "2.0/1",
     }
 }

@@ -1,7 +1,7 @@
-//! Mistakes outside the catalog: an edit of one formula, or a misreading that is limited to some files.
+//! Mistakes outside the catalog: an edit of one formula, or a misreading that is limited to some formats.
 //!
 //! Every edit is tried on a few small failing files of each format. If an edit reproduces an image, the search tries it on all
-//! files. An edit that passing files contradict is restricted to a group of files without contradictions.
+//! files. A mistake that some responses contradict is restricted to the formats without contradictions.
 
 use std::borrow::Cow;
 use std::cmp::Reverse;
@@ -10,13 +10,12 @@ use std::sync::LazyLock;
 
 use super::learned;
 use super::mistake::{ChannelSubset, Mistake, edit_as_misreading};
-use super::scope::{FileScope, separating_scope};
-use super::search::{MistakeId, MistakeSet, REFUSAL_SCORE, Search, interleave_groups};
-use super::tuning::{
-    MAX_EDITS, MAX_PROBES, MAX_SCOPED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT, is_substantial,
-};
-use super::witness::{Agreement, explains_a_view};
-use super::words::differences::wrong_channels;
+use super::place::wrong_channels;
+use super::rules;
+use super::scope::own_formats;
+use super::search::{MistakeId, MistakeSet, Search, interleave_groups};
+use super::tuning::{MAX_EDITS, MAX_PROBES, MAX_RESTRICTED_MISREADINGS, MIN_PROBE_SIZE};
+use super::witness::Agreement;
 use ptm_mistakes::formula::{EditedForm, Expression, Formula, edits};
 use ptm_mistakes::{Change, Misreading};
 use ptm_suite::protocol::frame::Answer;
@@ -40,12 +39,12 @@ pub(super) fn add_candidates(search: &mut Search, set: &MistakeSet, left: &[usiz
     }
     let mut candidates = matching_edits(search, set, &probes);
     let tables = learned::learn_tables(search, set, left).into_iter();
-    candidates.extend(tables.map(Mistake::unscoped));
+    candidates.extend(tables.map(Mistake::unrestricted));
     let restricted = search.par_map(&candidates, |mistake| restrict(search, set, mistake, left));
     for mistake in restricted.into_iter().flatten() {
         search.add(mistake);
     }
-    add_scoped_misreadings(search, set, left);
+    add_restricted_misreadings(search, set, left);
 }
 
 /// Returns a few small failing images for each format and view. Prefers sizes that distinguish rows from columns.
@@ -99,7 +98,7 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
     let other_probes: Vec<(usize, Cow<Answer>)> = others.map(with_answer).collect();
     let counts = search.par_map(&edits, |&edit| {
         let mut counts = vec![0; channels.len()];
-        let edit = Mistake::unscoped(edit);
+        let edit = Mistake::unrestricted(edit);
         let mut count = |probes: &[(usize, Cow<Answer>)]| {
             for (w, unedited) in probes {
                 let witness = &search.witnesses[*w];
@@ -110,7 +109,7 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
                 for (channels, count) in channels.iter().zip(&mut counts) {
                     let mut image = unedited.clone();
                     channels.replace(image.to_mut(), &answer);
-                    *count += usize::from(witness.evidence(&image) == Agreement::Image);
+                    *count += usize::from(witness.agreement(&image) == Agreement::Image);
                 }
             }
             counts.iter().any(|&count| count > 0)
@@ -131,49 +130,45 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
     ranked.truncate(MAX_EDITS);
     let mistake = |&(_, channel, edit): &(usize, usize, usize)| Mistake {
         channels: channels[channel],
-        ..Mistake::unscoped(edits[edit])
+        ..Mistake::unrestricted(edits[edit])
     };
     ranked.iter().map(mistake).collect()
 }
 
-/// Returns the edit, restricted to a group of files without contradicting cases, or `None` if the evidence is too weak.
-fn restrict(search: &Search, set: &MistakeSet, edit: &Mistake, left: &[usize]) -> Option<Mistake> {
+/// Returns the mistake, restricted to the formats without contradictions, or `None` if the evidence is too weak.
+fn restrict(
+    search: &Search,
+    set: &MistakeSet,
+    mistake: &Mistake,
+    left: &[usize],
+) -> Option<Mistake> {
     let images = search.comparable_images(left);
-    let fits = |w: &usize| search.agreement_with(*w, set, edit) == Agreement::Image;
-    let explained: Vec<usize> = images.iter().copied().filter(fits).collect();
-    let contradicting = search.refuting_files_with(set, edit);
-    let scope = match contradicting.is_empty() {
-        true => FileScope::All,
-        false => separating_scope(search.witnesses, &explained, &contradicting)?,
+    let fits = |w: &usize| {
+        search.agreement_with(*w, set, mistake) == Agreement::Image
+            && search.witnesses[*w].is_mistake_in_other_reading(mistake.misreading)
     };
-    // With this many candidates, some fit files that share a property only by chance.
-    let is_by_property = !matches!(scope, FileScope::All | FileScope::Formats(_));
-    if is_by_property
-        && (edit.catalog_misreading().is_none() || !is_substantial(explained.len(), left.len()))
-    {
-        return None;
-    }
+    let mut explained: Vec<usize> = images.iter().copied().filter(fits).collect();
+    let contradicting = search.contradicting_files(set, mistake);
+    let formats = (!contradicting.is_empty())
+        .then(|| own_formats(search.witnesses, &explained, &contradicting));
+    let restricted = Mistake {
+        misreading: mistake.misreading,
+        channels: mistake.channels,
+        formats,
+    };
+    explained.retain(|&w| restricted.affects(search.witnesses[w].case.format()));
     // With two restrictions, too many edits fit by chance, except for constants: values that the decoder never writes.
-    let is_limited_twice = edit.channels != ChannelSubset::All && scope != FileScope::All;
+    let is_limited_twice =
+        restricted.channels != ChannelSubset::All && restricted.formats.is_some();
     let is_number = matches!(
-        single_edit(edit),
+        single_edit(mistake),
         Some(EditedForm::Expression(Expression::Number(_)))
     );
-    if is_limited_twice && (is_by_property || !is_number) {
+    if is_limited_twice && !is_number {
         return None;
     }
-    let restricted = Mistake {
-        misreading: edit.misreading,
-        channels: edit.channels,
-        scope,
-    };
-    // A later edit may also change the images in other views. A learned table has already been compared with these images.
-    let is_changed = |w: &&usize| search.changes_answer_with(**w, set, &restricted);
-    let changed: Vec<usize> = images.iter().filter(is_changed).copied().collect();
-    let is_learned = matches!(single_edit(edit), Some(EditedForm::Table(_)));
-    let is_supported = explained.len() >= MIN_SUPPORT
-        && (is_learned || explains_a_view(search.witnesses, &explained, &changed));
-    is_supported.then_some(restricted)
+    rules::explains_more_than_a_description(search, set, &restricted, &explained, &images)
+        .then_some(restricted)
 }
 
 fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
@@ -183,8 +178,8 @@ fn single_edit(mistake: &Mistake) -> Option<&'static EditedForm> {
     }
 }
 
-/// Adds misreadings that passing cases contradict. Each is restricted to the files that it explains.
-fn add_scoped_misreadings(search: &mut Search, set: &MistakeSet, left: &[usize]) {
+/// Adds misreadings that some responses contradict. Each is restricted to the formats without contradictions.
+fn add_restricted_misreadings(search: &mut Search, set: &MistakeSet, left: &[usize]) {
     let is_open = |&id: &MistakeId| {
         let mistake = &search.mistakes[id];
         mistake.unrestricted_misreading().is_some() && !set.contains(&id)
@@ -194,19 +189,19 @@ fn add_scoped_misreadings(search: &mut Search, set: &MistakeSet, left: &[usize])
     let counts = search.par_map(&open, |&id| {
         let with = [&set[..], &[id]].concat();
         let explains = |&&w: &&usize| {
-            search.set_score(w, &with) >= REFUSAL_SCORE && search.set_score(w, set) < REFUSAL_SCORE
+            search.agreement(w, &with).explains() && !search.agreement(w, set).explains()
         };
         sample.iter().filter(explains).count()
     });
     let mut ranked: Vec<(usize, MistakeId)> = counts.into_iter().zip(open).collect();
     ranked.retain(|&(count, _)| count > 1);
     ranked.sort_by_key(|&(count, id)| (Reverse(count), id));
-    ranked.truncate(MAX_SCOPED_MISREADINGS);
-    let scopes = search.par_map(&ranked, |&(_, id)| {
+    ranked.truncate(MAX_RESTRICTED_MISREADINGS);
+    let restricted = search.par_map(&ranked, |&(_, id)| {
         restrict(search, set, &search.mistakes[id], left)
-            .filter(|mistake| mistake.scope != FileScope::All)
+            .filter(|mistake| mistake.formats.is_some())
     });
-    for mistake in scopes.into_iter().flatten() {
+    for mistake in restricted.into_iter().flatten() {
         search.add(mistake);
     }
 }

@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::witness::Witness;
+use ptm_suite::kit::last_message::last_message;
 use ptm_suite::protocol::frame::{Answer, ProcessEnd, TimeLimit};
 use ptm_suite::verdicts::observation::Response;
 
@@ -15,17 +16,24 @@ pub(super) enum FailureMode {
     Crashes(String),
     /// Exceeded time limit. A file that was requested again has exceeded a higher one, so limits are not compared.
     TimesOut(TimeLimit),
-    /// Malformed frame, with its error message. Details of the message are removed.
+    /// Malformed frame, with its error message.
     MalformedFrame(String),
-    /// Another violation of the protocol.
+    /// Too much output, memory that exceeds the limit, or an input file that was changed.
+    Floods,
+    RunsOutOfMemory,
+    ChangesInput,
+    /// The response could not be obtained.
     Other(&'static str),
 }
 
 impl PartialEq for FailureMode {
     fn eq(&self, other: &FailureMode) -> bool {
         match (self, other) {
-            (FailureMode::Crashes(a), FailureMode::Crashes(b))
-            | (FailureMode::MalformedFrame(a), FailureMode::MalformedFrame(b)) => a == b,
+            (FailureMode::Crashes(a), FailureMode::Crashes(b)) => a == b,
+            // Similar errors differ in numbers and names.
+            (FailureMode::MalformedFrame(a), FailureMode::MalformedFrame(b)) => {
+                generalize(a) == generalize(b)
+            }
             (FailureMode::Other(a), FailureMode::Other(b)) => a == b,
             _ => std::mem::discriminant(self) == std::mem::discriminant(other),
         }
@@ -42,10 +50,28 @@ impl FailureMode {
             Response::Violation(Answer::Crashed(status)) => FailureMode::Crashes(status.clone()),
             Response::Violation(Answer::TimedOut(limit)) => FailureMode::TimesOut(*limit),
             Response::Violation(Answer::ProtocolError(error)) => {
-                FailureMode::MalformedFrame(generalize(error))
+                FailureMode::MalformedFrame(error.clone())
             }
+            Response::Violation(Answer::Flooded(_)) => FailureMode::Floods,
+            Response::Violation(Answer::OutOfMemory(_)) => FailureMode::RunsOutOfMemory,
+            Response::Violation(Answer::Tampered(_)) => FailureMode::ChangesInput,
             Response::Violation(answer) => FailureMode::Other(answer.name()),
         })
+    }
+
+    /// Changes the mode so that it also describes an equal one.
+    fn join(&mut self, other: FailureMode) {
+        match (self, other) {
+            (FailureMode::TimesOut(lowest), FailureMode::TimesOut(limit)) => {
+                *lowest = limit.min(*lowest);
+            }
+            (FailureMode::MalformedFrame(error), FailureMode::MalformedFrame(other))
+                if *error != other && !error.starts_with(FOR_EXAMPLE) =>
+            {
+                error.insert_str(0, FOR_EXAMPLE);
+            }
+            _ => {}
+        }
     }
 
     /// Returns the failure modes of these witnesses, the most frequent first. The time limit is one that all files exceeded.
@@ -58,11 +84,7 @@ impl FailureMode {
             match modes.iter_mut().find(|(known, _)| *known == mode) {
                 Some((known, count)) => {
                     *count += 1;
-                    if let (FailureMode::TimesOut(lowest), FailureMode::TimesOut(limit)) =
-                        (known, mode)
-                    {
-                        *lowest = limit.min(*lowest);
-                    }
+                    known.join(mode);
                 }
                 None => modes.push((mode, 1)),
             }
@@ -89,8 +111,29 @@ impl FailureMode {
     }
 }
 
-/// Replaces quotations and numbers with ellipses, and drops the hint after a semicolon, so that similar errors compare equal.
+/// Prefix of the error in one of several malformed frames.
+const FOR_EXAMPLE: &str = "for example, ";
+
+/// Returns the form of the last message on standard error, or an empty string if there is none. Messages with the same form differ
+/// only in numbers and quotations.
+pub(super) fn message_form(stderr: &str) -> String {
+    let message = last_message(stderr).unwrap_or_default();
+    let unquoted = message
+        .split(['"', '\'', '`'])
+        .step_by(2)
+        .collect::<Vec<_>>();
+    let unquoted = unquoted.join("…");
+    let words = unquoted.split_whitespace().map(|word| {
+        let is_path = word.contains(['/', '\\']);
+        let is_number = word.contains(|c: char| c.is_ascii_digit());
+        if is_path || is_number { "…" } else { word }
+    });
+    words.collect::<Vec<_>>().join(" ")
+}
+
+/// Replaces quotations and numbers in an error with ellipses, and drops the hint after a semicolon, so that similar errors compare equal.
 fn generalize(error: &str) -> String {
+    let error = error.trim_start_matches(FOR_EXAMPLE);
     let unquoted = error.split('"').step_by(2).collect::<Vec<_>>().join("…");
     let words = unquoted.split(';').next().unwrap_or_default().split(' ');
     let generalize_word = |word: &str| {
@@ -114,7 +157,10 @@ impl fmt::Display for FailureMode {
             FailureMode::MalformedFrame(error) => {
                 write!(f, "gives no valid answer ({error}) for")
             }
-            FailureMode::Other(name) => write!(f, "fails ({name}) on"),
+            FailureMode::Floods => f.write_str("writes more output than any frame needs for"),
+            FailureMode::RunsOutOfMemory => f.write_str("runs out of memory on"),
+            FailureMode::ChangesInput => f.write_str("changes or removes its input file for"),
+            FailureMode::Other(name) => write!(f, "gives no answer ({name}) for"),
         }
     }
 }

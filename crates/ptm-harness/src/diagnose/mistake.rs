@@ -1,6 +1,6 @@
-//! A mistake that a decoder may make: a misreading or an edit of a formula, in all files or in some of them.
+//! A mistake that a decoder may make: a misreading or an edit of a formula, in all formats or in some of them.
 
-use super::scope::FileScope;
+use ptm::Format;
 use ptm_mistakes::formula::Edit;
 use ptm_mistakes::{Change, Misreading};
 use ptm_suite::protocol::frame::{Answer, Samples};
@@ -9,16 +9,17 @@ use ptm_suite::protocol::frame::{Answer, Samples};
 pub(super) struct Mistake {
     /// The misreading. Its slug is empty if the mistake is an edit of a formula outside the catalog.
     pub misreading: &'static Misreading,
-    pub scope: FileScope,
+    /// The formats that the mistake affects, or `None` for all formats.
+    pub formats: Option<Vec<Format>>,
     pub channels: ChannelSubset,
 }
 
 impl Mistake {
     /// Creates a mistake that affects all channels of all files.
-    pub const fn unscoped(misreading: &'static Misreading) -> Mistake {
+    pub const fn unrestricted(misreading: &'static Misreading) -> Mistake {
         Mistake {
             misreading,
-            scope: FileScope::All,
+            formats: None,
             channels: ChannelSubset::All,
         }
     }
@@ -31,9 +32,21 @@ impl Mistake {
         }
     }
 
+    /// Returns the section of the misread clause and the number of the clause: 2, 9, 4 and 2 for 2.9.4/2.
+    pub fn section(&self) -> Vec<u32> {
+        let numbers = self.misreading.clause.split(['.', '/']);
+        numbers.filter_map(|number| number.parse().ok()).collect()
+    }
+
+    /// Returns true if the mistake affects files in this format.
+    pub fn affects(&self, format: Format) -> bool {
+        let formats = self.formats.as_ref();
+        formats.is_none_or(|formats| formats.contains(&format))
+    }
+
     /// Returns the misreading if it is in the catalog and affects all channels of all files.
     pub fn unrestricted_misreading(&self) -> Option<&'static Misreading> {
-        let is_unrestricted = self.scope == FileScope::All && self.channels == ChannelSubset::All;
+        let is_unrestricted = self.formats.is_none() && self.channels == ChannelSubset::All;
         self.catalog_misreading().filter(|_| is_unrestricted)
     }
 }

@@ -178,7 +178,7 @@ fn spelling_properties(f: &File) -> [Property; 15] {
     ]
 }
 
-fn data_properties(f: &File) -> [Property; 15] {
+fn data_properties(f: &File) -> [Property; 20] {
     let [scales, biases, _] = &f.numbers;
     let value = |text: &str| text.parse().unwrap_or(0.0);
     let is_negative = |texts: &[&str]| texts.iter().any(|text| value(text) < 0.0);
@@ -186,6 +186,7 @@ fn data_properties(f: &File) -> [Property; 15] {
     let any = |test: fn(&str) -> bool| f.numbers.iter().flatten().any(|text| test(text));
     let has_outer_point =
         any(|text| text.trim_start_matches(['+', '-']).starts_with('.') || text.ends_with('.'));
+    let has_point = any(|text| text.contains('.'));
     let is_scientific = any(|text| text.contains(['e', 'E']));
     let has_negative_exponent = any(|text| text.contains("e-") || text.contains("E-"));
     let has_plus = any(|text| text.starts_with('+'));
@@ -198,6 +199,15 @@ fn data_properties(f: &File) -> [Property; 15] {
         ("2.4/3 with a negative scale", is_negative(scales)),
         ("2.4/4 with a minus sign in a bias", has_minus(biases)),
         ("2.4/3 with a minus sign in a scale", has_minus(scales)),
+        ("2.4/3 with a decimal point in a number", has_point),
+        (
+            "2.0/1 with a byte of 0x80 or more in the header",
+            f.header.iter().any(|&byte| byte >= 0x80),
+        ),
+        (
+            "2.7/1 with a byte of 0x80 or more in the binary data",
+            f.data.iter().any(|&byte| byte >= 0x80),
+        ),
         ("2.4/3 with a number in scientific notation", is_scientific),
         (
             "2.4/3 with a negative exponent in a number",
@@ -216,6 +226,8 @@ fn data_properties(f: &File) -> [Property; 15] {
             "2.0/2 with a line feed at the start of the binary data",
             is_line_feed,
         ),
+        ("2.3/1 of one row or one column", width == 1 || height == 1),
+        ("2.3/1 of one row", height == 1),
         ("2.3/1 of odd width", width % 2 == 1),
         ("2.3/1 of odd height", height % 2 == 1),
         ("2.3/1 of even width", width > 0 && width % 2 == 0),
@@ -274,7 +286,7 @@ fn prediction_properties(f: &File) -> [Property; 14] {
     ]
 }
 
-fn stream_properties(f: &File) -> [Property; 6] {
+fn stream_properties(f: &File) -> [Property; 7] {
     let has = |test: fn(&Compression) -> bool| f.plan.is_some_and(test);
     let is_jpeg = f.format.coding() == Some(Coding::Jpeg);
     let is_zero = has(|plan| plan.parameter == 0);
@@ -283,6 +295,10 @@ fn stream_properties(f: &File) -> [Property; 6] {
     let is_joint = has(|plan| plan.stream.jpeg.tables_together);
     let has_factors = is_jpeg && has(|plan| plan.stream.jpeg.sampling != (1, 1));
     let has_presets = has(|plan| plan.stream.presets.is_some());
+    let has_zero_preset = has(|plan| {
+        let presets = plan.stream.presets;
+        presets.is_some_and(|all| [all.maxval, all.t1, all.t2, all.t3, all.reset].contains(&0))
+    });
     [
         ("2.9.1/2 with a compression parameter of 0", is_zero),
         ("2.9.8/3 with restart markers", has_restarts),
@@ -293,6 +309,10 @@ fn stream_properties(f: &File) -> [Property; 6] {
         ("2.9.8/3 with 16-bit quantization tables", is_wide),
         ("2.9.8/3 with sampling factors other than 1x1", has_factors),
         ("2.9.8/3 with preset parameters (LSE)", has_presets),
+        (
+            "2.9.8/3 with a zero among the preset parameters (LSE)",
+            has_zero_preset,
+        ),
     ]
 }
 
@@ -318,11 +338,18 @@ fn quantities(f: &File) -> Vec<Quantity> {
     let (width, height) = size.unzip();
     let side = size.map(|(width, height)| width.max(height));
     let entries = f.entries().map(f64::from);
+    let numbers = f.numbers.iter().flatten().map(|text| text.len());
+    let longest_number = numbers.max().map(|longest| longest as f64);
+    let [header, data] = [f.header, f.data].map(|part| part.len() as f64);
     vec![
         ("2.7/3", "whose number of texels is {}", texels),
         ("2.3/1", "whose width is {}", width),
         ("2.3/1", "whose height is {}", height),
         ("2.3/1", "whose larger side is {}", side),
+        ("2.0/1", "of {} bytes", Some(header + data)),
+        ("2.7/1", "with {} bytes of binary data", Some(data)),
+        ("2.0/1", "with {} bytes of header", Some(header)),
+        ("2.4/3", "with a number of {} characters", longest_number),
         ("2.0/1", "with {} bytes in one line of the header", longest),
         ("2.5/2", "whose table size is {}", entries),
         ("2.9.4/3", "whose largest rank is {}", rank),

@@ -6,10 +6,9 @@ use super::witness::Witness;
 use ptm::Format;
 use ptm_suite::cases::Expect;
 
-/// The files that a mistake affects.
+/// A set of files: those of some formats, or those with a property.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum FileScope {
-    All,
     Formats(Vec<Format>),
     /// Files with the property at this index. The string contains the clause and the text of the property, separated by a space.
     Property(usize, &'static str),
@@ -29,7 +28,6 @@ impl FileScope {
     /// Returns true if the file is in the scope.
     pub fn contains(&self, witness: &Witness) -> bool {
         match self {
-            FileScope::All => true,
             FileScope::Formats(formats) => formats.contains(&witness.case.format()),
             FileScope::Property(index, ..) => witness.facts().properties[*index].1,
             FileScope::Beyond {
@@ -54,7 +52,6 @@ impl FileScope {
             FileScope::Formats(formats) if formats.len() == 1 => Some(formats[0].layout_clause()),
             FileScope::Formats(_) => Some("2.2/1"),
             FileScope::Property(_, text) => text.split(' ').next(),
-            FileScope::All => None,
         }
     }
 
@@ -77,9 +74,8 @@ impl FileScope {
     }
 
     /// Returns text that completes "files …".
-    pub fn describe_members(&self) -> String {
+    fn describe_members(&self) -> String {
         match self {
-            FileScope::All => String::new(),
             FileScope::Formats(formats) => {
                 format!("of format {}", list_formats(formats))
             }
@@ -121,6 +117,27 @@ pub(super) struct SharedScope {
 }
 
 impl SharedScope {
+    /// Returns true if the file is in the scope and has one of the formats in which the scope was searched.
+    pub fn contains(&self, witness: &Witness) -> bool {
+        self.formats.contains(&witness.case.format()) && self.scope.contains(witness)
+    }
+
+    /// Adds the formats of `other`, which has the same scope.
+    pub fn add_formats(&mut self, other: &SharedScope) {
+        let known = |format: &Format, formats: &[Format]| formats.contains(format);
+        let all = Format::ALL.into_iter();
+        self.formats = all
+            .clone()
+            .filter(|one| known(one, &self.formats) || known(one, &other.formats))
+            .collect();
+        if let (FileScope::Formats(own), FileScope::Formats(more)) = (&mut self.scope, &other.scope)
+        {
+            *own = all
+                .filter(|one| known(one, own) || known(one, more))
+                .collect();
+        }
+    }
+
     /// Counts the legal files in the scope. Returns the number of files in the group and the number of other files.
     pub fn count_legal(&self, witnesses: &[Witness]) -> (usize, usize) {
         let is_legal = |w: &usize| {
@@ -212,6 +229,28 @@ pub(super) fn shared_scope(
     valid.max_by_key(|one| one.cases.len())
 }
 
+/// Returns the property that all of these files and the fewest others of the same formats have, as text that completes "files …",
+/// unless the match may be a coincidence.
+pub(super) fn common_property(witnesses: &[Witness], cases: &[usize]) -> Option<&'static str> {
+    let formats = own_formats(witnesses, cases, &[]);
+    let others: Vec<usize> = (0..witnesses.len())
+        .filter(|w| !cases.contains(w))
+        .collect();
+    let others = files_of(witnesses, &others, &formats);
+    let has = |w: &usize, index: usize| witnesses[*w].facts().properties[index].1;
+    let properties = &witnesses.first()?.facts().properties;
+    let common = (VIEW_PROPERTIES..properties.len())
+        .filter(|&index| cases.iter().all(|w| has(w, index)))
+        .map(|index| (others.iter().filter(|w| has(w, index)).count(), index));
+    let (count, index) = common.min()?;
+    // The files that have the property, and this one.
+    let chance = ((count + 1) as f64 / (others.len() + 1) as f64).powi(cases.len() as i32);
+    let is_significant = chance * properties.len() as f64 * COINCIDENCE_ODDS < 1.0;
+    let (_, text) = properties[index].0.split_once(' ')?;
+    let is_rare = !is_substantial(count, others.len());
+    (is_rare && is_significant && cases.len() >= MIN_SHARING_FILES).then_some(text)
+}
+
 /// Returns the formats of the files in `group` that no file in `others` has.
 pub(super) fn own_formats(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<Format> {
     let has = |files: &[usize], one| files.iter().any(|&w| witnesses[w].case.format() == one);
@@ -226,6 +265,9 @@ fn thresholds(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<F
         .first()
         .map_or(&[][..], |witness| &witness.facts().quantities);
     for (quantity, &(clause, words, _)) in quantities.iter().enumerate() {
+        let is_length = ["of the header", "of header", "characters"]
+            .iter()
+            .any(|end| words.ends_with(end));
         let value = |&w: &usize| witnesses[w].facts().quantities[quantity].2;
         let values = |indices: &[usize]| indices.iter().filter_map(value).collect::<Vec<f64>>();
         let (own, theirs) = (values(group), values(others));
@@ -242,8 +284,8 @@ fn thresholds(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<F
         ] {
             let is_separate = match is_minimum {
                 true => bound > other_bound,
-                // No decoder has trouble with short lines.
-                false => bound < other_bound && clause != "2.0/1",
+                // No decoder has trouble with short lines, headers or numbers.
+                false => bound < other_bound && !is_length,
             };
             if is_separate {
                 found.push(FileScope::Beyond {
@@ -257,19 +299,4 @@ fn thresholds(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<F
         }
     }
     found
-}
-
-/// Returns a scope (formats, a property or a threshold) that contains the `explained` files and none of the `refuting` files.
-pub(super) fn separating_scope(
-    witnesses: &[Witness],
-    explained: &[usize],
-    refuting: &[usize],
-) -> Option<FileScope> {
-    let formats = own_formats(witnesses, explained, refuting);
-    let own = files_of(witnesses, explained, &formats);
-    if explained.len() >= MIN_SHARING_FILES && own.len() == explained.len() {
-        return Some(FileScope::Formats(formats));
-    }
-    let shared = shared_scope(witnesses, &Format::ALL, explained, refuting, true)?;
-    (shared.cases.len() == explained.len()).then_some(shared.scope)
 }

@@ -1,37 +1,34 @@
-//! Searches for a small set of mistakes that reproduces the decoder's responses.
+//! Covers the failures: searches for a small set of mistakes that reproduces the decoder's responses.
 //!
-//! The set grows by one mistake at a time: the one that explains the most remaining failures with the fewest contradictions. If
-//! no single mistake explains more failures, the set grows by a pair. Finally, redundant mistakes are dropped.
+//! The set grows by one mistake at a time: the one that reproduces the most remaining failures, and that no response contradicts.
+//! If no single mistake reproduces enough failures, the set grows by a pair, at most once.
 
-use std::any::Any;
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
-use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-pub(super) use super::tuning::REFUSAL_SCORE;
+use super::mistake::Mistake;
+use super::rules;
 use super::tuning::{
-    CONTRADICTION_SCORE, CRASH_SCORE, IMAGE_SCORE, MAX_EDIT_PASSES, MAX_FALLBACK_CASES,
-    MAX_FINALISTS, MAX_MISTAKES, MAX_PAIR_WORK, MAX_PAIRS, MAX_SAMPLE, MAX_SMALL_IMAGE_SAMPLES,
-    MAX_TRIED_SAMPLES, MAX_WORK, MIN_SUPPORT, OTHER_LENIENT_ANSWER_SCORE, REFUSED_IMAGE_SCORE,
-    SAMPLES_PER_WORK_UNIT, is_most, is_nearly_all, is_substantial,
+    IMAGE_WEIGHT, MAX_EDIT_PASSES, MAX_FALLBACK_CASES, MAX_FINALISTS, MAX_MISTAKES, MAX_PAIR_WORK,
+    MAX_PAIRS, MAX_SAMPLE, MAX_SMALL_IMAGE_SAMPLES, MAX_TRIED_SAMPLES, MAX_WORK, MIN_WEIGHT,
+    NO_IMAGE_WEIGHT, REFUSAL_WEIGHT, SAMPLES_PER_WORK_UNIT, is_most, is_nearly_all, is_substantial,
 };
-use super::witness::{Agreement, Witness};
+use super::witness::{Agreement, Witness, count_equal_samples};
 use super::words::{nondeterminism, uniform};
-use super::{mistake::Mistake, pair::partial_credit};
 use crate::session::run::Run;
+use ptm::Format;
 use ptm_mistakes::{Change, Misreading};
-use ptm_suite::cases::Expect;
 use ptm_suite::kit::parallel::map_in_parallel;
-use ptm_suite::protocol::frame::Answer;
+use ptm_suite::protocol::frame::{Answer, Frame};
 
-/// A mistake that was found, and the mistakes that are equivalent to it. Lists of members are in the order of discovery.
+/// A mistake that was found. Lists of members are in the order of discovery.
 pub(super) struct Member {
     pub id: MistakeId,
-    /// Mistakes that explain the same cases.
-    pub equivalents: MistakeSet,
+    /// Mistakes that reproduce the same failures. Their answers may differ in other cases.
+    pub alternatives: MistakeSet,
 }
 
 pub(super) struct Search<'a> {
@@ -48,36 +45,39 @@ pub(super) struct Search<'a> {
     work: &'a AtomicUsize,
     /// Number of answers computed so far.
     answer_count: AtomicUsize,
-    /// Cases that the decoder passes, smallest first.
-    pub passing: Vec<usize>,
-    /// Messages of panics, without duplicates.
-    faults: Mutex<Vec<String>>,
     /// Clauses of the failing cases.
     clauses: HashSet<&'a str>,
     /// Failing files on which every edit was tried, each with the mistakes in effect at the time.
     probed_files: HashSet<(usize, MistakeSet)>,
     /// Effects of sets of mistakes, by case and by the mistakes that affect the case.
-    effects: Mutex<HashMap<(usize, MistakeSet), SetEffect>>,
+    effects: Mutex<HashMap<(usize, MistakeSet), Effect>>,
     /// Effect of each single mistake on each case, or `None` if the mistake does not change the answer.
-    single_effects: Vec<Vec<OnceLock<Option<SetEffect>>>>,
+    single_effects: Vec<Vec<OnceLock<Option<Effect>>>>,
+    /// Effect of a decoder without mistakes on each case.
+    no_effects: Vec<OnceLock<Effect>>,
 }
 
-/// The effect of a set of mistakes on one case.
-#[derive(Clone, Copy, PartialEq)]
-struct SetEffect {
-    score: i64,
-    agreement: Agreement,
-    /// Hash of the answer, or of the answer with the highest score if several answers are possible.
-    answer: u64,
+/// The answer of a decoder with a set of mistakes to one case, compared with the response.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Effect {
+    pub agreement: Agreement,
+    /// Hash of the answer, or 0 for the answer of a decoder without mistakes.
+    pub answer: u64,
+    /// Number of samples that equal those of a wrong image.
+    pub equal_samples: usize,
+    /// Number of samples that differ from those of the correct image.
+    pub changed_samples: usize,
 }
 
-impl SetEffect {
-    /// Effect of the reference's answer, which explains no failure.
-    const NO_EFFECT: SetEffect = SetEffect {
-        score: 0,
-        agreement: Agreement::None,
-        answer: 0,
-    };
+impl Effect {
+    fn weight(&self) -> i64 {
+        match self.agreement {
+            Agreement::Image => IMAGE_WEIGHT,
+            Agreement::TwinImage | Agreement::Refusal => REFUSAL_WEIGHT,
+            Agreement::NoImage => NO_IMAGE_WEIGHT,
+            Agreement::BlankImage | Agreement::None | Agreement::Contradiction => 0,
+        }
+    }
 }
 
 /// Index of a mistake in [`Search::mistakes`].
@@ -94,18 +94,16 @@ impl<'a> Search<'a> {
         threads: usize,
         run: &'a Run,
     ) -> Search<'a> {
-        let passing = (0..witnesses.len()).filter(|&w| !witnesses[w].failed);
-        let mut passing: Vec<usize> = passing.collect();
-        passing.sort_by_key(|&w| witnesses[w].built.file.len());
         let failing = witnesses.iter().filter(|witness| witness.failed);
         let clauses = failing.flat_map(|witness| &witness.case.clauses);
-        let mistakes: Vec<Mistake> = catalog.iter().copied().map(Mistake::unscoped).collect();
+        let mistakes: Vec<Mistake> = catalog.iter().copied().map(Mistake::unrestricted).collect();
         let is_assumed = |mistake: &Mistake| {
             let slug = mistake.misreading.slug;
             assumed.iter().any(|other| other.slug == slug)
         };
         Search {
             single_effects: vec![vec![OnceLock::new(); witnesses.len()]; mistakes.len()],
+            no_effects: vec![OnceLock::new(); witnesses.len()],
             assumed: (0..mistakes.len())
                 .filter(|&id| is_assumed(&mistakes[id]))
                 .collect(),
@@ -119,8 +117,6 @@ impl<'a> Search<'a> {
             answer_count: AtomicUsize::new(0),
             probed_files: HashSet::new(),
             effects: Mutex::new(HashMap::new()),
-            faults: Mutex::new(Vec::new()),
-            passing,
         }
     }
 
@@ -144,12 +140,20 @@ impl<'a> Search<'a> {
         all.filter(|&w| self.witnesses[w].failed).collect()
     }
 
-    /// Returns the failing cases that `set` does not explain.
-    pub fn unexplained(&self, set: &MistakeSet) -> Vec<usize> {
-        self.select(self.failing(), |w| self.set_score(w, set) < REFUSAL_SCORE)
+    /// Returns the indices in the suite of these cases.
+    pub fn case_indices(&self, cases: &[usize]) -> Vec<usize> {
+        cases
+            .iter()
+            .map(|&w| self.witnesses[w].case_index)
+            .collect()
     }
 
-    /// Returns a small set of mistakes that explains the failures. `add_candidates` adds candidates that are not in the catalog.
+    /// Returns the failing cases that `set` does not reproduce.
+    pub fn unexplained(&self, set: &MistakeSet) -> Vec<usize> {
+        self.select(self.failing(), |w| !self.agreement(w, set).explains())
+    }
+
+    /// Returns a small set of mistakes that reproduces failures. `add_candidates` adds candidates that are not in the catalog.
     pub fn run(
         &mut self,
         add_candidates: impl Fn(&mut Search, &MistakeSet, &[usize]),
@@ -164,22 +168,16 @@ impl<'a> Search<'a> {
                 break;
             }
             let mut single = self.best_single_mistake(&set, &left);
-            // An edit may explain failures that would require several misreadings. If one misreading explains nearly
-            // all failures, edits are not needed.
-            let explains = |single: &Option<Member>, is_enough: fn(usize, usize) -> bool| {
+            let share_of = |single: &Option<Member>, is_enough: fn(usize, usize) -> bool| {
                 single.as_ref().is_some_and(|member| {
-                    let gain = self.gain(&set, &[member.id], &left);
-                    is_enough(gain, left.len())
-                        && self.refuting_files(&with_id(&set, member.id)).is_empty()
+                    is_enough(self.gain(&set, &[member.id], &left), left.len())
                 })
             };
-            let is_enough = explains(&single, is_substantial);
-            if !explains(&single, is_nearly_all) && edit_passes < MAX_EDIT_PASSES {
+            let is_enough = share_of(&single, is_substantial);
+            // An edit may explain failures that would require several misreadings.
+            if !share_of(&single, is_nearly_all) && edit_passes < MAX_EDIT_PASSES {
                 edit_passes += 1;
-                let added = catch_unwind(AssertUnwindSafe(|| add_candidates(self, &set, &left)));
-                if let Err(panic) = added {
-                    self.record_panic(&*panic);
-                }
+                add_candidates(self, &set, &left);
                 single = self.best_single_mistake(&set, &left);
             }
             let mut grown = single.map(|single| vec![single]);
@@ -200,13 +198,31 @@ impl<'a> Search<'a> {
                 None => break,
             }
         }
-        self.drop_redundant(&mut members);
+        self.lift_restrictions(&mut members);
         members
     }
 
-    /// Returns the cost of a result. The cost grows with the number of mistakes and the number of unexplained failures.
-    pub fn cost(&self, found: &[Member]) -> usize {
-        self.unexplained(&ids_of(found)).len() + MIN_SUPPORT * found.len()
+    /// Replaces misreadings that are restricted to some formats by the whole misreading, unless a response contradicts it. Another
+    /// mistake, which was found later, may have hidden it in the other formats.
+    fn lift_restrictions(&self, members: &mut Vec<Member>) {
+        for index in (0..members.len()).rev() {
+            let mistake = &self.mistakes[members[index].id];
+            let is_whole = |id: &MistakeId| {
+                let whole = self.mistakes[*id].unrestricted_misreading();
+                whole.is_some_and(|whole| whole.slug == mistake.misreading.slug)
+            };
+            let whole = (0..self.mistakes.len()).find(is_whole);
+            let Some(whole) = whole.filter(|&whole| whole != members[index].id) else {
+                continue;
+            };
+            let mut others = ids_of(members);
+            others.remove(index);
+            if others.contains(&whole) {
+                members.remove(index);
+            } else if !self.is_contradicted_in(&self.trial_cases(&[]), &others, whole) {
+                members[index].id = whole;
+            }
+        }
     }
 
     /// Returns the mistake with the largest gain when added to `set`.
@@ -226,14 +242,9 @@ impl<'a> Search<'a> {
         !set.contains(&id) && !self.assumed.contains(&id)
     }
 
-    /// Returns how well the answer of a decoder with the mistakes in `set` agrees with the response to case `w`.
+    /// Returns the agreement of the answer of a decoder with the mistakes in `set` with the response to case `w`.
     pub fn agreement(&self, w: usize, set: &[MistakeId]) -> Agreement {
         self.effect(w, set).agreement
-    }
-
-    /// Returns true if a decoder with the mistakes in `set` would fail case `w`, which the decoder under test passes.
-    pub fn is_refuted(&self, w: usize, set: &[MistakeId]) -> bool {
-        self.set_score(w, set) == CONTRADICTION_SCORE
     }
 
     /// Returns true if the two sets lead to different answers to case `w`.
@@ -241,24 +252,20 @@ impl<'a> Search<'a> {
         self.effect(w, set).answer != self.effect(w, other).answer
     }
 
-    /// Returns the passing cases that a decoder with the mistakes in `set` would fail.
-    pub fn contradictions(&self, set: &[MistakeId]) -> Vec<usize> {
-        let mut passing = self.passing.clone();
-        passing.sort_unstable();
-        self.select(passing, |w| self.is_refuted(w, set))
+    /// Returns true if the response to case `w` contradicts the mistake `id` of a decoder that also makes the mistakes in `set`.
+    pub fn is_contradicted(&self, w: usize, set: &[MistakeId], id: MistakeId) -> bool {
+        if !self.witnesses[w].can_affect(&self.mistakes[id]) {
+            return false;
+        }
+        let (without, with) = (self.effect(w, set), self.effect(w, &with_id(set, id)));
+        rules::contradicts(without, with)
     }
 
-    /// Like `contradictions`, but only for small files.
-    pub fn refuting_files(&self, set: &[MistakeId]) -> Vec<usize> {
-        let small = self.passing.iter().copied().filter(|&w| self.is_small(w));
-        self.select(small.collect(), |w| self.is_refuted(w, set))
-    }
-
-    /// Like `agreement`, but with one more mistake, which need not be a candidate.
+    /// Like [`agreement`](Self::agreement), but with one more mistake, which need not be a candidate.
     pub fn agreement_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> Agreement {
         let witness = &self.witnesses[w];
         match witness.can_explain(mistake) {
-            true => witness.evidence(&self.answer_with(w, set, mistake)),
+            true => witness.agreement(&self.answer_with(w, set, mistake)),
             false => Agreement::None,
         }
     }
@@ -269,27 +276,23 @@ impl<'a> Search<'a> {
             && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
     }
 
-    /// Returns the small passing files that a decoder with `set` and one more mistake would fail. For an edit, ignores predicted
-    /// refusals and files that need not be decoded, because an edit does not model the checks of a decoder.
-    pub fn refuting_files_with(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
-        let is_refuted = |&w: &usize| {
-            let witness = &self.witnesses[w];
-            if !self.is_small(w) || !witness.can_affect(mistake) {
-                return false;
+    /// Returns the small files whose responses contradict one more mistake, which need not be a candidate.
+    pub fn contradicting_files(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
+        let is_contradicting = |&w: &usize| {
+            self.is_small(w) && self.witnesses[w].can_affect(mistake) && {
+                let with = self.compare(w, &self.answer_with(w, set, mistake));
+                rules::contradicts(self.effect(w, set), with)
             }
-            let answer = self.answer_with(w, set, mistake);
-            let is_check = *answer == Answer::Rejected || witness.case.expect != Expect::Decode;
-            let is_irrelevant = mistake.catalog_misreading().is_none() && is_check;
-            !is_irrelevant && witness.contradicts(&answer)
         };
-        self.passing.iter().copied().filter(is_refuted).collect()
+        (0..self.witnesses.len()).filter(is_contradicting).collect()
     }
 
     pub fn answer_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> Cow<'_, Answer> {
         let mut mistakes = self.mistakes_in(&self.visible_mistakes(w, set));
         mistakes.push(mistake);
         self.count_work(w, 1);
-        self.answer(w, &mistakes)
+        let mut answers = self.answers(w, &mistakes);
+        answers.swap_remove(0)
     }
 
     fn count_work(&self, w: usize, answers: usize) {
@@ -302,12 +305,15 @@ impl<'a> Search<'a> {
     pub fn best_answer(&self, w: usize, set: &[MistakeId]) -> Cow<'_, Answer> {
         let mut answers = self.answers_of_variants(w, &self.visible_mistakes(w, set));
         let best = (0..answers.len())
-            .min_by_key(|&i| -self.score_of_answer(w, &answers[i]))
+            .max_by_key(|&i| {
+                let effect = self.compare(w, &answers[i]);
+                (effect.agreement.explains(), effect.equal_samples)
+            })
             .unwrap_or(0);
         answers.swap_remove(best)
     }
 
-    /// Returns true if `set` explains the response, possibly with mistakes that have an effect only in combination.
+    /// Returns true if `set` reproduces the response, possibly with mistakes that have an effect only in combination.
     pub fn explains(&self, w: usize, set: &[MistakeId]) -> bool {
         if self.agreement(w, set).explains() {
             return true;
@@ -317,7 +323,7 @@ impl<'a> Search<'a> {
         if visible_mistakes.is_empty() || visible_mistakes.len() == relevant_ids.len() {
             return false;
         }
-        let explains = |answer: &Cow<Answer>| self.witnesses[w].evidence(answer).explains();
+        let explains = |answer: &Cow<Answer>| self.witnesses[w].agreement(answer).explains();
         self.answers_of_variants(w, &relevant_ids)
             .iter()
             .any(explains)
@@ -333,7 +339,10 @@ impl<'a> Search<'a> {
     /// Returns all possible answers of a decoder with these mistakes. Tries conflicting mistakes one at a time.
     fn answers_of_variants(&self, w: usize, set: &[MistakeId]) -> Vec<Cow<'_, Answer>> {
         let mut variants: Vec<MistakeSet> = vec![Vec::new()];
-        for &id in set {
+        // A decoder reads a file from its start, so a mistake in an earlier section comes first.
+        let mut in_order = set.to_vec();
+        in_order.sort_by_key(|&id| self.mistakes[id].section());
+        for id in in_order {
             let mut grown = Vec::new();
             for variant in variants {
                 let mut new = variant.clone();
@@ -352,60 +361,48 @@ impl<'a> Search<'a> {
         self.count_work(w, variants.len());
         variants
             .iter()
-            .map(|variant| self.answer(w, &self.mistakes_in(variant)))
+            .flat_map(|variant| self.answers(w, &self.mistakes_in(variant)))
             .collect()
     }
 
-    /// Returns the answer of a decoder with these mistakes. If a bug makes the computation panic, returns the correct answer.
-    fn answer(&self, w: usize, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
+    /// Returns the answers of a decoder with these mistakes: in its dialect and, if the mistakes may look like an answer to an open
+    /// question, in the reading of the reference.
+    fn answers(&self, w: usize, mistakes: &[&Mistake]) -> Vec<Cow<'_, Answer>> {
         let witness = &self.witnesses[w];
         self.answer_count.fetch_add(1, Ordering::Relaxed);
-        let answer = catch_unwind(AssertUnwindSafe(|| {
-            match witness.refuses_positions(mistakes) {
-                true => Cow::Owned(Answer::Rejected),
-                false => witness.answer(mistakes),
-            }
-        }));
-        let answer = answer.map(|answer| match witness.matching_colors(mistakes, &answer) {
-            Some(matching) => Cow::Owned(matching),
-            None => answer,
-        });
-        answer.unwrap_or_else(|panic| {
-            self.record_panic(&*panic);
-            Cow::Borrowed(&witness.expected)
-        })
+        let answer = witness.answer(mistakes);
+        let mut answers = match witness.matching_colors(mistakes, &answer) {
+            Some(matching) => vec![Cow::Owned(matching)],
+            None => vec![answer],
+        };
+        let unrestricted = mistakes.iter().map(|one| one.unrestricted_misreading());
+        if let Some(misreadings) = unrestricted.collect::<Option<Vec<_>>>() {
+            answers.extend(
+                witness
+                    .answer_in_other_reading(&misreadings)
+                    .map(Cow::Owned),
+            );
+        }
+        answers
     }
 
-    /// Runs `work` and returns its result. If `work` panics, records the message and returns the default value.
-    pub fn run_or_default<T: Default>(&self, work: impl FnOnce() -> T) -> T {
-        catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
-            self.record_panic(&*panic);
-            T::default()
-        })
+    /// Returns the effect of the answer that agrees best with the response.
+    fn best_effect(&self, w: usize, answers: &[Cow<Answer>]) -> Effect {
+        let effects = answers.iter().map(|answer| self.compare(w, answer));
+        let best = effects.rev().max_by_key(|effect| {
+            let is_neutral = effect.agreement != Agreement::Contradiction;
+            (
+                effect.agreement.explains(),
+                is_neutral,
+                effect.equal_samples,
+            )
+        });
+        best.unwrap_or(self.no_effect(w))
     }
 
     /// Returns the number of answers computed so far.
     pub fn answer_count(&self) -> usize {
         self.answer_count.load(Ordering::Relaxed)
-    }
-
-    /// Returns the messages of all recorded panics.
-    pub fn faults(&self) -> Vec<String> {
-        let faults = self.faults.lock();
-        faults.unwrap_or_else(PoisonError::into_inner).clone()
-    }
-
-    /// Records the message of a panic.
-    pub fn record_panic(&self, panic: &(dyn Any + Send)) {
-        let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
-        let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
-        let mut faults = self.faults.lock().unwrap_or_else(PoisonError::into_inner);
-        let text = text.unwrap_or_else(|| "a panic without a message".to_owned());
-        // Report a panic in a thread only once.
-        let is_recorded = faults.contains(&text) || text == "a scoped thread panicked";
-        if !is_recorded {
-            faults.push(text);
-        }
     }
 
     /// Adds the reverse of each variant in which the order of two mistakes matters. For example, a mistake that drops bytes at
@@ -445,48 +442,66 @@ impl<'a> Search<'a> {
         !(a.is_decision() && a.changes_same_step(b))
     }
 
+    /// Returns true if both are different mistakes that change the same value in the files of some format.
+    pub fn change_same_value(&self, a: MistakeId, b: MistakeId) -> bool {
+        let [one, other] = [a, b].map(|id| &self.mistakes[id]);
+        let changes_values = |mistake: &Mistake| !mistake.misreading.may_refuse();
+        let share_formats = Format::ALL
+            .into_iter()
+            .any(|format| one.affects(format) && other.affects(format));
+        let formulas = other.misreading.formulas();
+        let share_formula = || {
+            let mut own = one.misreading.formulas().into_iter();
+            own.any(|formula| formulas.contains(&formula))
+        };
+        let make_same_decision =
+            || changes_values(one) && changes_values(other) && !self.can_combine(a, b);
+        a != b && share_formats && (share_formula() || make_same_decision())
+    }
+
     /// Returns true if the user interrupted the search. Results after an interrupt are meaningless.
     pub fn is_interrupted(&self) -> bool {
         self.stop.load(Ordering::Relaxed)
     }
 
-    /// Returns the score of `set` for case `w`.
-    pub fn set_score(&self, w: usize, set: &[MistakeId]) -> i64 {
-        self.effect(w, set).score
-    }
-
-    fn effect(&self, w: usize, set: &[MistakeId]) -> SetEffect {
+    /// Returns the effect of `set` on case `w`. If several answers are possible, returns the effect of the one that agrees best.
+    pub fn effect(&self, w: usize, set: &[MistakeId]) -> Effect {
         if self.is_interrupted() {
-            return SetEffect::NO_EFFECT;
+            return self.no_effect(w);
         }
         let visible_mistakes = self.visible_mistakes(w, set);
         if let [only] = visible_mistakes[..] {
-            return self.effect_alone(w, only).unwrap_or(SetEffect::NO_EFFECT);
+            return self.effect_alone(w, only).unwrap_or(self.no_effect(w));
         }
         if visible_mistakes.is_empty() {
-            return SetEffect::NO_EFFECT;
+            return self.no_effect(w);
         }
         let cache = || self.effects.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (w, visible_mistakes);
         if let Some(&effect) = cache().get(&key) {
             return effect;
         }
-        let answers = self.answers_of_variants(w, &key.1);
-        let effects = answers.iter().map(|answer| self.answer_effect(w, answer));
-        let best = effects.min_by_key(|effect| -effect.score);
-        let effect = best.unwrap_or(SetEffect::NO_EFFECT);
+        let effect = self.best_effect(w, &self.answers_of_variants(w, &key.1));
         cache().insert(key, effect);
         effect
     }
 
+    fn no_effect(&self, w: usize) -> Effect {
+        *self.no_effects[w].get_or_init(|| self.compare(w, &self.witnesses[w].expected))
+    }
+
     /// Returns the mistakes in `set` and the assumed mistakes, except those that do not change the answer on their own. Such
-    /// mistakes rarely have an effect in combination. Edits of bytes may be kept, because they may have an effect only after
-    /// another edit.
+    /// mistakes rarely have an effect in combination, except on a malformed file that another mistake makes readable. Edits of bytes
+    /// may be kept, because they may have an effect only after another edit.
     fn visible_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let relevant_ids = self.relevant_ids(w, set);
         let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
-        let visible: Vec<(MistakeId, SetEffect)> = relevant_ids.iter().filter_map(alone).collect();
-        let is_explained = matches!(visible[..], [(_, effect)] if effect.score >= REFUSAL_SCORE);
+        let visible: Vec<(MistakeId, Effect)> = relevant_ids.iter().filter_map(alone).collect();
+        let is_explained = matches!(visible[..], [(_, effect)] if effect.agreement.explains());
+        let is_malformed = self.witnesses[w].expected == Answer::Rejected;
+        if is_malformed && !visible.is_empty() {
+            return relevant_ids;
+        }
         let are_bytes_changed = visible.iter().any(|&(id, _)| self.edits_bytes(id));
         let is_kept = |id: &MistakeId| {
             visible.iter().any(|(other, _)| other == id)
@@ -496,7 +511,7 @@ impl<'a> Search<'a> {
     }
 
     /// Returns the effect of one mistake without the assumed ones, or `None` if it does not change the answer.
-    fn effect_alone(&self, w: usize, id: MistakeId) -> Option<SetEffect> {
+    pub fn effect_alone(&self, w: usize, id: MistakeId) -> Option<Effect> {
         let witness = &self.witnesses[w];
         let mistake = &self.mistakes[id];
         *self.single_effects[id][w].get_or_init(|| {
@@ -504,22 +519,38 @@ impl<'a> Search<'a> {
                 return None;
             }
             self.count_work(w, 1);
-            let answer = self.answer(w, &[mistake]);
-            (*answer != witness.expected).then(|| self.answer_effect(w, &answer))
+            let answers = self.answers(w, &[mistake]);
+            let is_changed = answers.iter().any(|answer| **answer != witness.expected);
+            is_changed.then(|| self.best_effect(w, &answers))
         })
     }
 
-    fn answer_effect(&self, w: usize, answer: &Answer) -> SetEffect {
-        SetEffect {
-            score: self.score_of_answer(w, answer),
-            agreement: self.witnesses[w].evidence(answer),
+    /// Compares an answer with the response to case `w`.
+    fn compare(&self, w: usize, answer: &Answer) -> Effect {
+        let witness = &self.witnesses[w];
+        let count_equal = |other: Option<&Frame>| match (answer, other) {
+            (Answer::Decoded(image), Some(other)) => count_equal_samples(image, other),
+            _ => 0,
+        };
+        let (received, samples) = match (witness.wrong_image(), answer) {
+            (received, Answer::Decoded(image)) => (received, image.samples.len()),
+            _ => (None, 0),
+        };
+        let correct = match &witness.expected {
+            Answer::Decoded(image) if received.is_some() => Some(image),
+            _ => None,
+        };
+        Effect {
+            agreement: witness.agreement(answer),
             answer: self.fingerprint(w, answer),
+            equal_samples: count_equal(received),
+            changed_samples: samples - count_equal(correct),
         }
     }
 
     /// Returns a hash of an answer, or 0 for the answer of a decoder without mistakes.
     fn fingerprint(&self, w: usize, answer: &Answer) -> u64 {
-        if answer == self.witnesses[w].correct_answer() {
+        if *answer == self.witnesses[w].expected {
             return 0;
         }
         let mut hasher = DefaultHasher::new();
@@ -530,43 +561,35 @@ impl<'a> Search<'a> {
         hasher.finish()
     }
 
-    fn score_of_answer(&self, w: usize, answer: &Answer) -> i64 {
-        let witness = &self.witnesses[w];
-        let is_lenient = witness.case.expect.is_optional();
-        if witness.failed {
-            match witness.evidence(answer) {
-                Agreement::None => partial_credit(witness, answer),
-                agreement => agreement_score(agreement),
+    /// Returns the weight of the failures among `tried` that `set` reproduces only with `more`.
+    fn added_weight(&self, set: &[MistakeId], more: &[MistakeId], tried: &[usize]) -> Vec<i64> {
+        let union = [set, more].concat();
+        let added = |&w: &usize| {
+            let can_explain = more.iter().any(|&id| self.can_explain(w, id));
+            if can_explain && !self.agreement(w, set).explains() {
+                self.effect(w, &union).weight()
+            } else {
+                0
             }
-        } else if witness.contradicts(answer) {
-            CONTRADICTION_SCORE
-        } else if is_lenient && witness.differs_from_lenient_response(answer) {
-            OTHER_LENIENT_ANSWER_SCORE
-        } else {
-            0
-        }
+        };
+        tried.iter().map(added).collect()
     }
 
     /// Returns the candidate in `all` that is the best addition to `set`. Tries every candidate on the cases in `tried`, and
     /// removes the finalists from `all`.
     fn pick_best(&self, set: &MistakeSet, all: &mut MistakeSet, tried: &[usize]) -> Option<Member> {
-        let score: Vec<i64> = tried.iter().map(|&w| self.set_score(w, set)).collect();
-        let gains = self.par_map(all, |&id| {
-            let union = with_id(set, id);
-            let gain = |(&w, &score): (&usize, &i64)| match self.can_explain(w, id) {
-                true => (self.set_score(w, &union) - score).max(0),
-                false => 0,
-            };
-            tried.iter().zip(&score).map(gain).sum::<i64>()
+        let weights = self.par_map(all, |&id| {
+            let added = self.added_weight(set, &[id], tried);
+            added.iter().sum::<i64>()
         });
         let mut promising: Vec<(i64, MistakeId)> =
-            gains.into_iter().zip(all.iter().copied()).collect();
-        promising.retain(|&(gain, _)| gain >= CRASH_SCORE);
+            weights.into_iter().zip(all.iter().copied()).collect();
+        promising.retain(|&(weight, _)| weight >= MIN_WEIGHT);
         // Ties are broken in favor of misreadings of clauses that a failing case tests, then by the order of the catalog.
-        promising.sort_by_key(|&(gain, id)| (-gain, !self.tests_misread_clause(id)));
+        promising.sort_by_key(|&(weight, id)| (-weight, !self.tests_misread_clause(id)));
         promising.truncate(MAX_FINALISTS);
         let finalists: MistakeSet = promising.into_iter().map(|(_, id)| id).collect();
-        let best = self.pick_finalist(set, &finalists, &self.trial_flags(tried));
+        let best = self.pick_finalist(set, &finalists, &self.trial_cases(tried));
         all.retain(|id| !finalists.contains(id));
         best
     }
@@ -575,96 +598,64 @@ impl<'a> Search<'a> {
         self.witnesses[w].can_explain(&self.mistakes[id])
     }
 
-    /// Returns one flag per case: true if mistakes should be tried on it. Skips large maps unless only large maps are left.
-    fn trial_flags(&self, left: &[usize]) -> Vec<bool> {
-        let with_large = left.iter().all(|&w| !self.is_small(w));
-        let all = 0..self.witnesses.len();
-        all.map(|w| with_large || self.is_small(w)).collect()
+    /// Returns the cases on which finalists are tried. Skips large maps unless only large maps are left.
+    fn trial_cases(&self, left: &[usize]) -> Vec<usize> {
+        let with_large = !left.is_empty() && left.iter().all(|&w| !self.is_small(w));
+        let is_tried = |w: &usize| with_large || self.is_small(*w);
+        let mut cases: Vec<usize> = (0..self.witnesses.len()).filter(is_tried).collect();
+        cases.sort_by_key(|&w| self.witnesses[w].built.file.len());
+        cases
     }
 
-    /// Returns the finalist with the highest total score on the cases marked in `tried`, and those that tie with it. Returns
-    /// `None` if no score is high enough.
+    /// Returns the finalist that reproduces the most failures and that no response contradicts, and the alternatives to it.
     fn pick_finalist(
         &self,
         set: &MistakeSet,
         finalists: &MistakeSet,
-        tried: &[bool],
+        tried: &[usize],
     ) -> Option<Member> {
-        let score: Vec<i64> = (0..self.witnesses.len())
-            .map(|w| if tried[w] { self.set_score(w, set) } else { 0 })
-            .collect();
-        let is_left = |&w: &usize| tried[w] && self.witnesses[w].failed && score[w] < REFUSAL_SCORE;
-        let left: Vec<usize> = (0..score.len()).filter(is_left).collect();
-        let gains = self.par_map(finalists, |&id| {
-            let union = with_id(set, id);
-            let gain = |&w: &usize| match self.can_explain(w, id) {
-                true => self.set_score(w, &union) - score[w],
-                false => 0,
-            };
-            left.iter().map(gain).collect::<Vec<i64>>()
-        });
-        let ranked = gains
+        let is_left = |w: &usize| self.witnesses[*w].failed && !self.agreement(*w, set).explains();
+        let left: Vec<usize> = tried.iter().copied().filter(is_left).collect();
+        let added = self.par_map(finalists, |&id| self.added_weight(set, &[id], &left));
+        let mut ranked: Vec<(i64, usize)> = added
             .iter()
             .enumerate()
-            .map(|(index, gains)| (gains.iter().sum(), index));
-        let mut ranked: Vec<(i64, usize)> = ranked.collect();
-        ranked.sort_by_key(|&(gain, index)| (-gain, index));
-        // Explained and passing cases can only contradict a mistake.
-        let explained = (0..score.len()).filter(|&w| self.witnesses[w].failed && !is_left(&w));
-        let others = explained
-            .chain(self.passing.iter().copied())
-            .filter(|&w| tried[w]);
-        let others: Vec<usize> = others.collect();
-        let mut scored: Vec<(i64, usize)> = Vec::new();
-        for batch in ranked.chunks(self.threads.max(1) * 2) {
-            let best = scored.iter().map(|&(total, _)| total).max();
-            let min_score = best.map_or(CRASH_SCORE, |best| CRASH_SCORE.max(best - REFUSAL_SCORE));
-            let totals = self.par_map(batch, |&(gain, index)| {
-                self.total_score(set, finalists[index], &score, gain, min_score, &others)
+            .map(|(index, added)| (added.iter().sum(), index))
+            .collect();
+        ranked.sort_by_key(|&(weight, index)| {
+            let is_tested = self.tests_misread_clause(finalists[index]);
+            (-weight, !is_tested, index)
+        });
+        let is_possible = |&&(weight, index): &&(i64, usize)| {
+            weight >= MIN_WEIGHT && !self.is_contradicted_in(tried, set, finalists[index])
+        };
+        for batch in ranked.chunks(self.threads.max(1)) {
+            let possible = self.par_map(batch, |ranked| is_possible(&ranked));
+            let Some(first) = possible.iter().position(|&possible| possible) else {
+                continue;
+            };
+            let (_, first) = batch[first];
+            let ties = ranked
+                .iter()
+                .filter(|&&(_, other)| other != first && added[other] == added[first]);
+            let ties: MistakeSet = ties.map(|&(_, index)| finalists[index]).collect();
+            let possible = self.select(ties, |id| !self.is_contradicted_in(tried, set, id));
+            return Some(Member {
+                id: finalists[first],
+                alternatives: possible,
             });
-            let totals = totals.into_iter().zip(batch);
-            scored.extend(totals.filter_map(|(total, &(_, index))| Some((total?, index))));
         }
-        scored.sort_by_key(|&(total, index)| {
-            (-total, !self.tests_misread_clause(finalists[index]), index)
-        });
-        let &(total, first) = scored.first()?;
-        let ties = scored[1..].iter().filter(|&&(other, index)| {
-            total - other < REFUSAL_SCORE && gains[index] == gains[first]
-        });
-        Some(Member {
-            id: finalists[first],
-            equivalents: ties.map(|&(_, index)| finalists[index]).collect(),
-        })
+        None
+    }
+
+    /// Returns true if the response to one of these cases contradicts the mistake. Cases with small files come first.
+    fn is_contradicted_in(&self, tried: &[usize], set: &[MistakeId], id: MistakeId) -> bool {
+        tried.iter().any(|&w| self.is_contradicted(w, set, id))
     }
 
     fn tests_misread_clause(&self, id: MistakeId) -> bool {
         let listed = self.mistakes[id].catalog_misreading();
         listed.is_some_and(|misreading| self.clauses.contains(misreading.clause))
-    }
-
-    /// Returns the total score of a mistake with this `gain` on the unexplained cases, or `None` if the total is below
-    /// `min_score`.
-    fn total_score(
-        &self,
-        set: &MistakeSet,
-        id: MistakeId,
-        score: &[i64],
-        gain: i64,
-        min_score: i64,
-        others: &[usize],
-    ) -> Option<i64> {
-        let union = with_id(set, id);
-        let mut total = gain;
-        for &w in others {
-            if total < min_score {
-                return None;
-            }
-            if self.witnesses[w].can_affect(&self.mistakes[id]) {
-                total += self.set_score(w, &union) - score[w];
-            }
-        }
-        (total >= min_score).then_some(total)
     }
 
     /// Returns the best pair of mistakes that together explain an image. On the smallest files, tries pairs of mistakes that each
@@ -717,63 +708,49 @@ impl<'a> Search<'a> {
             .collect();
         let explains = |index: usize| {
             let union = [&set[..], &pairs[index]].concat();
-            self.set_score(w, &union) >= REFUSAL_SCORE
+            self.agreement(w, &union) == Agreement::Image
         };
         let explaining = self.select((0..pairs.len()).collect(), explains);
         let explaining = explaining.into_iter().take(MAX_FALLBACK_CASES);
         explaining.map(|index| pairs[index]).collect()
     }
 
-    /// Returns the pair that explains the most remaining failures. Tries all pairs on a sample, and the best ones on every case.
+    /// Returns the pair that reproduces the most failures and that no response contradicts. Tries all pairs on a sample, and the
+    /// best ones on every case.
     fn best_pair(
         &self,
         set: &MistakeSet,
         pairs: Vec<[MistakeId; 2]>,
         left: &[usize],
     ) -> Option<Vec<Member>> {
-        let is_tried = self.trial_flags(left);
-        let all: Vec<usize> = (0..is_tried.len()).filter(|&w| is_tried[w]).collect();
-        let mut pairs: Vec<([MistakeId; 2], i64)> =
-            pairs.into_iter().map(|pair| (pair, 0)).collect();
-        for tried in [&self.sample(left), &all] {
-            let totals = self.par_map(&pairs, |&([a, b], _)| {
-                let union = [&set[..], &[a, b]].concat();
-                let gain = |&w: &usize| self.set_score(w, &union) - self.set_score(w, set);
-                tried.iter().map(gain).sum::<i64>()
-            });
-            for (pair, total) in pairs.iter_mut().zip(totals) {
-                pair.1 = total;
-            }
-            pairs.sort_by_key(|&(_, total)| -total);
-            pairs.truncate(MAX_PAIRS);
-        }
-        let best = pairs.first();
-        let &(pair, _) = best.filter(|&&(_, total)| total >= CRASH_SCORE)?;
+        let sample = self.sample(left);
+        let weights = self.par_map(&pairs, |pair| {
+            let added = self.added_weight(set, pair, &sample);
+            added.iter().sum::<i64>()
+        });
+        let mut ranked: Vec<(i64, [MistakeId; 2])> = weights.into_iter().zip(pairs).collect();
+        ranked.sort_by_key(|&(weight, _)| -weight);
+        ranked.truncate(MAX_PAIRS);
+        let tried = self.trial_cases(left);
+        let is_possible = |[a, b]: [MistakeId; 2]| {
+            let contradicts = |&w: &usize| {
+                let both = self.effect(w, &[set, &[a, b][..]].concat());
+                let others = [&set[..], &with_id(set, a), &with_id(set, b)];
+                let mut others = others.into_iter().map(|other| self.effect(w, other));
+                others.any(|other| rules::contradicts(other, both))
+            };
+            !tried.iter().any(contradicts)
+        };
+        let possible = self.select((0..ranked.len()).collect(), |i| is_possible(ranked[i].1));
+        let best = possible.into_iter().max_by_key(|&i| {
+            let added = self.added_weight(set, &ranked[i].1, &tried);
+            (added.iter().sum::<i64>(), std::cmp::Reverse(i))
+        })?;
         let member = |id| Member {
             id,
-            equivalents: Vec::new(),
+            alternatives: Vec::new(),
         };
-        Some(pair.map(member).into())
-    }
-
-    /// Removes mistakes that add less than [`CRASH_SCORE`] to the total score, both on small maps and on large ones.
-    fn drop_redundant(&self, members: &mut Vec<Member>) {
-        let (small, large): (Vec<usize>, Vec<usize>) =
-            (0..self.witnesses.len()).partition(|&w| self.is_small(w));
-        let total = |set: &MistakeSet, cases: &[usize]| {
-            let values = self.par_map(cases, |&w| self.set_score(w, set));
-            values.iter().sum::<i64>()
-        };
-        for index in (0..members.len()).rev() {
-            let all = ids_of(members);
-            let mut rest = all.clone();
-            rest.remove(index);
-            let is_redundant =
-                |cases: &[usize]| total(&rest, cases) + CRASH_SCORE > total(&all, cases);
-            if !rest.is_empty() && is_redundant(&small) && is_redundant(&large) {
-                members.remove(index);
-            }
-        }
+        Some(ranked[best].1.map(member).into())
     }
 
     /// Returns the cases in `left` with a wrong image that is small and has the correct shape.
@@ -845,23 +822,7 @@ impl<'a> Search<'a> {
 
     /// Maps `work` over all items in parallel. Preserves the order.
     pub fn par_map<T: Sync, R: Send>(&self, items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-        map_in_parallel(items.len(), self.threads, &|_, _| (), &|i| {
-            let result = catch_unwind(AssertUnwindSafe(|| work(&items[i])));
-            result.unwrap_or_else(|panic| {
-                self.record_panic(&*panic);
-                resume_unwind(panic)
-            })
-        })
-    }
-}
-
-fn agreement_score(agreement: Agreement) -> i64 {
-    match agreement {
-        Agreement::Image => IMAGE_SCORE,
-        Agreement::Outcome => REFUSAL_SCORE,
-        Agreement::Crash => CRASH_SCORE,
-        Agreement::None => 0,
-        Agreement::Contradiction => REFUSED_IMAGE_SCORE,
+        map_in_parallel(items.len(), self.threads, &|_, _| (), &|i| work(&items[i]))
     }
 }
 

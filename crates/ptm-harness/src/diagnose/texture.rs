@@ -1,8 +1,8 @@
 //! Finds the misreadings that explain the failures of a texture stage.
 //!
 //! A misreading explains a failure if a stage that makes this mistake returns the received answer: an answer of its own, since an
-//! undefined one equals any other. A passing case contradicts a misreading if such a stage would fail the case, and so does a wrong
-//! answer that no misreading explains. A misreading is reported only if it explains more cases than contradict it.
+//! undefined one equals any other. A passing case contradicts a misreading if such a stage would fail the case. No contradicted
+//! misreading is reported, and none that predicts other answers than the received ones in as many failures as it explains.
 
 use serde_json::{Map, Value, json};
 
@@ -27,19 +27,23 @@ pub fn diagnose(suite: &Suite<TextureCase>, run: &TextureRun) -> Vec<Diagnosis<C
     let candidates = all().filter_map(|misreading| {
         let rules = misreading.apply_to(inferred);
         let explains = |i: usize| explains(run, i, &suite.cases[i], &rules);
-        let would_fail = |i: usize| would_fail(run, &suite.cases[i], &rules);
+        // A mistake may look like a different answer to an open question.
+        let in_reference = misreading.apply_to(Rules::SPEC);
+        let would_fail = |i: usize| {
+            [&rules, &in_reference]
+                .iter()
+                .all(|rules| would_fail(run, &suite.cases[i], rules))
+        };
         CoverCandidate::new(misreading, &failing, explains, &passing, would_fail)
     });
     let candidates: Vec<_> = candidates.collect();
-    // A wrong answer that no misreading explains contradicts each one under which the case would fail with another answer.
     let mut unexplained = failing.clone();
     unexplained.retain(|i| is_answered(run, *i));
     unexplained.retain(|i| !candidates.iter().any(|one| one.explains.contains(i)));
     let is_supported = |candidate: &CoverCandidate<&'static Misreading<Change>>| {
         let rules = candidate.cause.apply_to(inferred);
         let predicts_another = |&&i: &&usize| predicts_failure(run, &suite.cases[i], &rules);
-        let unmatched = unexplained.iter().filter(predicts_another).count();
-        candidate.explains.len() > candidate.contradicted.len() + unmatched
+        candidate.explains.len() > unexplained.iter().filter(predicts_another).count()
     };
     let candidates = candidates.into_iter().filter(is_supported).collect();
     let causes = cover(candidates, &mut failing).into_iter();

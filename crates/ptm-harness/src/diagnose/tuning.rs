@@ -1,20 +1,14 @@
 //! Thresholds, weights and budgets of the diagnosis, with a reason for each.
 
-// Score of a response that a mistake reproduces
-/// Score of an explained image. Equal bytes are not a coincidence.
-pub(super) const IMAGE_SCORE: i64 = 16;
-/// Score of an explained refusal. Many mistakes cause refusals, so a refusal counts half as much as an image.
-pub(super) const REFUSAL_SCORE: i64 = 8;
-/// Score of a crash on a file that a decoder with the mistake would refuse. This is also the minimum score of a reported mistake.
-pub(super) const CRASH_SCORE: i64 = 3;
-/// Maximum score of a partially explained image. It is less than the score of a refusal, because other channels remain wrong.
-pub(super) const PARTIAL_IMAGE_SCORE: usize = 6;
-/// Score of an image of a file that a decoder with the mistake would refuse. The decoder evidently does not make this mistake.
-pub(super) const REFUSED_IMAGE_SCORE: i64 = -8;
-/// Score of a passing case that a decoder with the mistake would fail: the negative of `IMAGE_SCORE`.
-pub(super) const CONTRADICTION_SCORE: i64 = -16;
-/// Score of a correct response to a lenient case, if it differs from the answer of a decoder with the mistake.
-pub(super) const OTHER_LENIENT_ANSWER_SCORE: i64 = -1;
+// Weights of reproduced responses, which decide which mistake is tried first
+/// Weight of an image. Equal bytes are not a coincidence.
+pub(super) const IMAGE_WEIGHT: i64 = 16;
+/// Weight of a refusal. Many mistakes cause refusals, so a refusal counts half as much as an image.
+pub(super) const REFUSAL_WEIGHT: i64 = 8;
+/// Weight of a crash on a file that a decoder with the mistake would refuse.
+pub(super) const NO_IMAGE_WEIGHT: i64 = 3;
+/// Minimum weight of the failures that a mistake reproduces.
+pub(super) const MIN_WEIGHT: i64 = NO_IMAGE_WEIGHT;
 
 // Extent of the search
 /// Maximum number of mistakes in a result. The known decoders have at most ten detectable mistakes.
@@ -48,8 +42,8 @@ pub(super) const MAX_PROBES: usize = 2;
 pub(super) const MIN_PROBE_SIZE: u32 = 3;
 /// Maximum number of edits that are compared with every case.
 pub(super) const MAX_EDITS: usize = 24;
-/// Maximum number of misreadings that are tried on a subset of the files.
-pub(super) const MAX_SCOPED_MISREADINGS: usize = 12;
+/// Maximum number of misreadings that are tried on some formats only.
+pub(super) const MAX_RESTRICTED_MISREADINGS: usize = 12;
 
 // Evidence
 /// Minimum number of failures that support an edit, a scope, a different choice or a statement about a format. Also the minimum

@@ -14,7 +14,7 @@ use ptm::{Field, Limits, Ptm};
 use ptm_generate::Model;
 use ptm_mistakes::{Anatomy, Change, EditedFile, Misreading, Stage};
 use ptm_suite::cases::{Built, Case, Expect, Suite};
-use ptm_suite::choices::CHOICES;
+use ptm_suite::choices::{CHOICES, relevant_axes};
 use ptm_suite::compare::{Expected, is_close};
 use ptm_suite::dialect::{Dialect, RightDialects};
 use ptm_suite::kit::parallel::map_in_parallel;
@@ -36,12 +36,17 @@ pub(super) struct Witness<'a> {
     pub legal_files: usize,
     /// Number of judged legal files of the same format whose cases are inconclusive.
     pub inconclusive_files: usize,
-    /// Decisions of the decoder before any mistake is applied.
+    /// The dialect in which the decoder was judged. Mistakes are applied to it.
     pub reading: Reading,
-    /// The reference's answer in the dialect in which the decoder was judged.
+    /// The reference's reading, if the case depends on an open question that the dialect answers differently. A mistake may look
+    /// like a different answer.
+    other_reading: Option<Reading>,
+    /// The reference's answer in this dialect.
     pub expected: Answer,
-    /// The reference's answer under `reading`, or `None` if `reading` is the dialect of `expected`.
-    correct_answer: Option<Answer>,
+    /// The correct answer in `other_reading`.
+    correct_in_other_reading: OnceLock<Option<Answer>>,
+    /// The image of the legal twin of a malformed file, if the decoder accepted the file.
+    twin_image: Option<Frame>,
     /// Fields of the file, up to the first error.
     fields: OnceLock<Vec<Field>>,
     pub facts: OnceLock<Facts>,
@@ -62,37 +67,38 @@ pub(super) struct Facts {
     pub quantities: Vec<Quantity>,
 }
 
-/// The agreement of an answer with the response.
+/// The agreement of the answer of a decoder with certain mistakes with the response of the decoder under test.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Agreement {
-    /// The images are equal.
+    /// A failing case: the images are equal.
     Image,
-    /// Both are refusals, or both are acceptances.
-    Outcome,
-    /// The answer is a refusal, and the response is a crash.
-    Crash,
-    /// The images or outcomes differ.
+    /// A failing case: the images are equal, but all samples of the received image have the same value. Many mistakes produce such
+    /// an image, so it supports none of them.
+    BlankImage,
+    /// A malformed file was accepted, and the images are equal, but they are also the image of the legal twin, so they do not show
+    /// how the fault was read.
+    TwinImage,
+    /// Both are refusals, although the file may be decoded.
+    Refusal,
+    /// The answer is a refusal, and the decoder under test crashed, took too long or used too much memory.
+    NoImage,
+    /// The answer neither reproduces the response nor contradicts it.
     None,
-    /// The answer is a refusal, but the response is an image, so the decoder does not make the mistakes.
+    /// The response is that of a decoder without the mistakes, or an image although the answer is a refusal.
     Contradiction,
 }
 
 impl Agreement {
-    /// Returns true if mistakes with this agreement explain the response.
+    /// Returns true if mistakes with this agreement reproduce the response to a failing case.
     pub fn explains(self) -> bool {
         !matches!(self, Agreement::None | Agreement::Contradiction)
     }
 }
 
-/// Returns a witness for every case that passed or failed, except cases with inconsistent responses or broken promises. Mistakes
-/// are applied to `reading` or, if `reading` is `None`, to the dialect inferred for the decoder.
-pub(super) fn witnesses<'a>(
-    suite: &'a Suite,
-    run: &'a Run,
-    reading: Option<Reading>,
-    threads: usize,
-) -> Vec<Witness<'a>> {
-    let dialect = dialect_reading(run);
+/// Returns a witness for every case that passed or failed, except cases with inconsistent responses or broken promises.
+pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, threads: usize) -> Vec<Witness<'a>> {
+    let reading = dialect_reading(run);
+    let reference = reading_in_dialect(run, &CHOICES.reference());
     let mut legal_files: HashMap<_, [usize; 2]> = HashMap::new();
     for (case, judged) in suite.cases.iter().zip(&run.judgment.cases) {
         let Some(judged) = judged.as_ref().filter(|_| case.expect == Expect::Decode) else {
@@ -117,8 +123,9 @@ pub(super) fn witnesses<'a>(
         let built = case.build(run.table);
         let counts = legal_files.get(&case.format()).copied();
         let [legal_files, inconclusive_files] = counts.unwrap_or_default();
-        let answer = |reading| ptm_mistakes::answer(&[], reading, &built.file, &observation.view);
-        let (expected, correct_answer) = (answer(dialect), reading.map(answer));
+        let expected = ptm_mistakes::answer(&[], reading, &built.file, &observation.view);
+        let depends = depends_on_dialect(case, &built, observation, run);
+        let other_reading = depends.then_some(reference);
         Some(Witness {
             case_index,
             case,
@@ -127,9 +134,11 @@ pub(super) fn witnesses<'a>(
             failed: outcome == Outcome::Fail,
             legal_files,
             inconclusive_files,
-            reading: reading.unwrap_or(dialect),
+            reading,
+            other_reading,
             expected,
-            correct_answer,
+            correct_in_other_reading: OnceLock::new(),
+            twin_image: twin_image(suite, run, case, observation),
             fields: OnceLock::new(),
             facts: OnceLock::new(),
             decoded: OnceLock::new(),
@@ -150,7 +159,7 @@ impl Witness<'_> {
     pub fn answer_of_misreadings(&self, mistakes: &[&Misreading]) -> Cow<'_, Answer> {
         // Parse the file only once. Most edits of bytes do not change most files.
         let [first, rest @ ..] = mistakes else {
-            return Cow::Borrowed(self.correct_answer());
+            return Cow::Borrowed(&self.expected);
         };
         if mistakes.iter().all(|mistake| is_after_decoding(mistake)) {
             return match self.decoded() {
@@ -159,7 +168,7 @@ impl Witness<'_> {
                     let view = &self.observation.view;
                     Cow::Owned(ptm_mistakes::render(mistakes, &reading, ptm, view))
                 }
-                Err(_) => Cow::Borrowed(self.correct_answer()),
+                Err(_) => Cow::Borrowed(&self.expected),
             };
         }
         let Change::Bytes(edit) = first.change else {
@@ -172,13 +181,22 @@ impl Witness<'_> {
         }
     }
 
-    /// Returns the answer of a decoder without mistakes under `reading`.
-    pub fn correct_answer(&self) -> &Answer {
-        self.correct_answer.as_ref().unwrap_or(&self.expected)
-    }
-
     fn answer_to_file(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
         ptm_mistakes::answer(mistakes, self.reading, file, &self.observation.view)
+    }
+
+    /// Returns the answer of a decoder with these misreadings that otherwise follows the reference's reading, if it may differ.
+    pub fn answer_in_other_reading(&self, mistakes: &[&Misreading]) -> Option<Answer> {
+        let (file, view) = (&self.built.file, &self.observation.view);
+        let reading = self.other_reading?;
+        Some(ptm_mistakes::answer(mistakes, reading, file, view))
+    }
+
+    /// Returns false if the misreading changes nothing in the reference's reading, so that it only undoes an answer to an open
+    /// question.
+    pub fn is_mistake_in_other_reading(&self, misreading: &Misreading) -> bool {
+        self.other_reading.is_none()
+            || self.answer_in_other_reading(&[misreading]) != self.answer_in_other_reading(&[])
     }
 
     /// Returns the fields of the file, up to the first error.
@@ -253,16 +271,17 @@ impl Witness<'_> {
         received.is_some() && expected.is_none()
     }
 
-    /// Returns how well `answer` agrees with the response to a failing case, if the response is evidence.
-    pub fn evidence(&self, answer: &Answer) -> Agreement {
-        match self.agreement(answer) {
-            Agreement::Image if self.is_blank_by_mistake() => Agreement::None,
-            agreement => agreement,
+    /// Returns the agreement of `answer` with the response.
+    pub fn agreement(&self, answer: &Answer) -> Agreement {
+        if self.failed {
+            self.agreement_with_failure(answer)
+        } else {
+            self.agreement_with_correct_response(answer)
         }
     }
 
-    /// Returns how well `answer` agrees with the response to a failing case.
-    pub fn agreement(&self, answer: &Answer) -> Agreement {
+    fn agreement_with_failure(&self, answer: &Answer) -> Agreement {
+        let may_be_decoded = !matches!(self.case.expect, Expect::Reject | Expect::Refuse);
         match (&self.observation.response, answer) {
             // A refusal is correct if the reference refuses the file as well.
             (_, Answer::Rejected) if self.expected == Answer::Rejected => Agreement::None,
@@ -273,27 +292,48 @@ impl Witness<'_> {
                 },
                 Answer::Decoded(image),
             ) if equal_up_to_rounding(actual, image)
+                && (actual == image || self.is_wrong(image))
+                && !self.is_correct_in_other_reading(image)
                 && (!self.equals_reference(image) || self.is_closer_to_response(image, actual))
                 && self.is_significant_match(image, actual) =>
             {
-                Agreement::Image
-            }
-            // Images of files that must be refused are not stored. The acceptance itself is the mistake.
-            (Response::Image { frame: None, .. }, Answer::Decoded(_))
-                if matches!(self.case.expect, Expect::Reject | Expect::Refuse) =>
-            {
-                Agreement::Outcome
+                if self.is_blank_by_mistake() {
+                    Agreement::BlankImage
+                } else if self.twin_image.as_ref() == Some(actual) {
+                    Agreement::TwinImage
+                } else {
+                    Agreement::Image
+                }
             }
             (Response::Rejected, Answer::Rejected)
-            | (Response::Unsupported, Answer::Rejected | Answer::Unsupported) => Agreement::Outcome,
-            (Response::Violation(Answer::Crashed(_)), Answer::Rejected)
-                if self.case.expect == Expect::Decode =>
-            {
-                Agreement::Crash
+            | (Response::Unsupported, Answer::Rejected | Answer::Unsupported) => Agreement::Refusal,
+            (
+                Response::Violation(
+                    Answer::Crashed(_) | Answer::TimedOut(_) | Answer::OutOfMemory(_),
+                ),
+                Answer::Rejected,
+            ) if may_be_decoded => Agreement::NoImage,
+            (Response::Image { .. }, Answer::Rejected | Answer::Unsupported) if may_be_decoded => {
+                Agreement::Contradiction
             }
-            (Response::Image { .. }, Answer::Rejected | Answer::Unsupported)
-                if self.case.expect == Expect::Decode =>
-            {
+            _ => Agreement::None,
+        }
+    }
+
+    fn agreement_with_correct_response(&self, answer: &Answer) -> Agreement {
+        if *answer == self.expected {
+            return Agreement::None;
+        }
+        let is_right = |image: &Frame| self.equals_reference(image) || !self.would_fail(image);
+        match (self.case.expect, &self.observation.response, answer) {
+            (Expect::Reject | Expect::Refuse, _, Answer::Decoded(_)) => Agreement::Contradiction,
+            (Expect::Reject | Expect::Refuse, ..) => Agreement::None,
+            (_, Response::Image { .. }, Answer::Decoded(image)) if is_right(image) => {
+                Agreement::None
+            }
+            (_, Response::Image { .. }, _) => Agreement::Contradiction,
+            (_, Response::Rejected, Answer::Rejected) => Agreement::Refusal,
+            (_, Response::Rejected, Answer::Decoded(_)) if self.expected == Answer::Rejected => {
                 Agreement::Contradiction
             }
             _ => Agreement::None,
@@ -352,32 +392,18 @@ impl Witness<'_> {
         matches!(&self.expected, Answer::Decoded(right) if equal_up_to_rounding(right, image))
     }
 
-    /// Returns true if a passing case would fail with `answer`. The answer of a decoder without mistakes contradicts nothing,
-    /// even if its dialect differs.
-    pub fn contradicts(&self, answer: &Answer) -> bool {
-        if std::ptr::eq(answer, &raw const self.expected)
-            || self.correct_answer.as_ref() == Some(answer)
-        {
-            return false;
-        }
-        match (self.case.expect, answer) {
-            (Expect::Decode, Answer::Decoded(image)) => {
-                !self.equals_reference(image) && self.would_fail(image)
-            }
-            (Expect::Decode, _) => true,
-            (Expect::Reject | Expect::Refuse, answer) => matches!(answer, Answer::Decoded(_)),
-            _ => false,
-        }
+    /// Returns true if `image` is wrong. A correct image, or one that is correct in the reference's reading, explains no failure,
+    /// even if it equals the response up to rounding.
+    fn is_wrong(&self, image: &Frame) -> bool {
+        !matches!(self.expected, Answer::Decoded(_)) || self.would_fail(image)
     }
 
-    /// Returns true if `answer` differs from the response to a lenient file, for which both a refusal and an image are correct.
-    pub fn differs_from_lenient_response(&self, answer: &Answer) -> bool {
-        match (&self.observation.response, answer) {
-            (Response::Rejected, Answer::Decoded(_))
-            | (Response::Image { .. }, Answer::Rejected) => true,
-            (Response::Image { .. }, Answer::Decoded(image)) => self.would_fail(image),
-            _ => false,
-        }
+    /// Returns true if `image` is the one of a decoder without mistakes that follows the reference's reading.
+    fn is_correct_in_other_reading(&self, image: &Frame) -> bool {
+        let other = self
+            .correct_in_other_reading
+            .get_or_init(|| self.answer_in_other_reading(&[]));
+        matches!(other, Some(Answer::Decoded(right)) if right == image)
     }
 
     /// Returns true if a decoder that outputs `image` would fail the case.
@@ -401,23 +427,6 @@ pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
     misreading.stage() >= Stage::Planes
 }
 
-/// Returns the reference's choices, or `None` if the choices inferred for the decoder are the same. If the decoder expects a line
-/// feed after tables, so does the returned reading, unless that is the only difference.
-pub(super) fn reference_reading(run: &Run) -> Option<Reading> {
-    let judgment = &run.judgment;
-    let mut choices = judgment.dialect.0.iter().zip(&judgment.certainties);
-    let is_other = choices.any(|(&reading, certain)| *certain != Certainty::Open && reading != 0);
-    if !is_other && !run.table.newline {
-        return None;
-    }
-    let mut reading = Reading::SPEC;
-    reading.stream = decode_stream_cached;
-    if is_other && run.table.newline {
-        reading.after_table = read_newline_separator;
-    }
-    Some(reading)
-}
-
 /// Returns the choices that were inferred for the decoder.
 pub fn dialect_reading(run: &Run) -> Reading {
     let judgment = &run.judgment;
@@ -426,7 +435,29 @@ pub fn dialect_reading(run: &Run) -> Reading {
         Certainty::Open => 0,
         _ => reading,
     });
-    let mut reading = CHOICES.apply(&Dialect(settled.collect()), Reading::SPEC);
+    reading_in_dialect(run, &Dialect(settled.collect()))
+}
+
+/// Returns true if the correct image depends on an open question that the decoder answers differently from the reference.
+fn depends_on_dialect(case: &Case, built: &Built, observation: &Observation, run: &Run) -> bool {
+    let axes = relevant_axes(case, &built.values, &observation.view);
+    axes.iter().any(|&axis| run.judgment.dialect.0[axis] != 0)
+}
+
+/// Returns the image of the legal twin of a malformed file, if the decoder accepted the file.
+fn twin_image(suite: &Suite, run: &Run, case: &Case, observation: &Observation) -> Option<Frame> {
+    observation.response.wrong_image()?;
+    let twin = case.twin_of.as_ref().filter(|_| case.damage().is_some())?;
+    let twin = suite.cases.iter().find(|other| other.id == *twin)?;
+    let file = &twin.build(run.table).file;
+    match ptm_mistakes::answer(&[], dialect_reading(run), file, &observation.view) {
+        Answer::Decoded(image) => Some(image),
+        _ => None,
+    }
+}
+
+fn reading_in_dialect(run: &Run, dialect: &Dialect) -> Reading {
+    let mut reading = CHOICES.apply(dialect, Reading::SPEC);
     reading.stream = decode_stream_cached;
     if run.table.newline {
         reading.after_table = read_newline_separator;
@@ -460,31 +491,35 @@ pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
     !a.changes_same_step(b)
 }
 
-/// Returns true if, in some view, `explained` contains nearly all of the `changed` cases (see [`is_nearly_all`]).
-pub fn explains_a_view(witnesses: &[Witness], explained: &[usize], changed: &[usize]) -> bool {
-    ViewKind::ALL.into_iter().any(|view| {
-        let has_view = |w: &&usize| witnesses[**w].observation.view.kind() == view;
-        let count = explained.iter().filter(has_view).count();
-        is_nearly_all(count, changed.iter().filter(has_view).count())
-    })
-}
-
 /// Returns true if two images are equal up to rounding.
 #[must_use]
 pub fn equal_up_to_rounding(a: &Frame, b: &Frame) -> bool {
     if a.shape() != b.shape() {
         return false;
     }
+    a.samples.sample_type() == b.samples.sample_type()
+        && count_equal_samples(a, b) == a.samples.len()
+}
+
+/// Counts the samples in which two images are equal up to rounding. Returns 0 if their shapes differ.
+pub(super) fn count_equal_samples(a: &Frame, b: &Frame) -> usize {
+    if a.shape() != b.shape() {
+        return 0;
+    }
     match (&a.samples, &b.samples) {
-        (Samples::U8(x), Samples::U8(y)) if a.view == ViewKind::Rgb => {
-            x.iter().zip(y).all(|(x, y)| x.abs_diff(*y) <= 1)
+        (Samples::U8(x), Samples::U8(y)) => {
+            let tolerance = u8::from(a.view == ViewKind::Rgb);
+            let pairs = x.iter().zip(y);
+            pairs.filter(|(x, y)| x.abs_diff(**y) <= tolerance).count()
         }
-        (Samples::U8(x), Samples::U8(y)) => x == y,
-        (Samples::F32(x), Samples::F32(y)) => x
-            .iter()
-            .zip(y)
-            .all(|(x, y)| is_close(f64::from(*x), f64::from(*y), 0.0) || x.is_nan() && y.is_nan()),
-        _ => false,
+        (Samples::F32(x), Samples::F32(y)) => {
+            let pairs = x.iter().zip(y);
+            let is_equal = |(x, y): &(&f32, &f32)| {
+                is_close(f64::from(**x), f64::from(**y), 0.0) || x.is_nan() && y.is_nan()
+            };
+            pairs.filter(is_equal).count()
+        }
+        _ => 0,
     }
 }
 

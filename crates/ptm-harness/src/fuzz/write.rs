@@ -45,15 +45,17 @@ pub fn write(finding: &Finding, table: TableSpelling, directory: &Path) -> io::R
 /// Describes the cause in a sentence.
 #[must_use]
 pub fn cause_text(finding: &Finding) -> String {
-    let sentence = |effect: &str, clause: &str| format!("A decoder {effect} (clause {clause}).");
     match &finding.cause {
-        Explanation::Misreading(suspects) => sentence(suspects[0].effect, suspects[0].clause),
+        Explanation::Misreading(suspects) => {
+            let (effect, clause) = (suspects[0].effect, suspects[0].clause);
+            format!("A decoder {effect} (clause {clause}).")
+        }
         Explanation::Accepts(damage) => {
             format!("A decoder accepts a file with this fault: {damage}.")
         }
         Explanation::TimedOut(limit) => format!("A decoder {limit}."),
         Explanation::Other(symptom) => match &finding.diagnosis {
-            Some(cause) => sentence(&cause.effect, &cause.clause),
+            Some(cause) => format!("A decoder {}{}.", cause.effect, cause.clause_text()),
             None => format!("A decoder fails: {symptom}."),
         },
     }

@@ -39,7 +39,7 @@ impl FoundCauses {
     pub fn new<C: Listed, A: 'static>(suite: &Suite<C>, found: &Causes<A>) -> FoundCauses {
         FoundCauses {
             causes: likely_causes(suite, &found.diagnoses),
-            faults: found.faults.clone(),
+            faults: Vec::new(),
             answer_count: found.answer_count,
             cpu_time: found.cpu_time,
         }

@@ -140,7 +140,7 @@ fn group_key(old: &Report, new: &Report, &(before, after): &ChangedCase) -> Stri
     };
     let section = section_of(after.clauses.first().map_or("", String::as_str));
     match cause {
-        Some(cause) => format!("{change}: {} (clause {})", cause.title(), cause.clause),
+        Some(cause) => format!("{change}: {}{}", cause.title(), cause.clause_text()),
         None if fails(before) || fails(after) => format!("{change}: no cause, section {section}"),
         None => format!("{change}: section {section}"),
     }
@@ -177,8 +177,12 @@ fn write_change(out: &mut String, (old, new): &ChangedCase) -> fmt::Result {
 /// Describes each cause in one or two lines. If `in_full` is true, lists the cases that the cause explains; otherwise, counts them.
 fn describe_causes(report: &Report, in_full: bool) -> String {
     let words = |cause: &LikelyCause| {
-        let (clause, effect, fix) = (&cause.clause, &cause.effect, &cause.fix);
-        let says = format!("{} (clause {clause}): {effect}; fix: {fix}", cause.name());
+        let (effect, fix) = (&cause.effect, &cause.fix);
+        let says = format!(
+            "{}{}: {effect}; fix: {fix}",
+            cause.name(),
+            cause.clause_text()
+        );
         match in_full {
             true => format!("{says}\nexplains {}\n", cause.explains.join(" ")),
             false => format!("{says} (explains {})\n", cause.explains.len()),

@@ -156,8 +156,9 @@ pub struct LikelyCause {
     /// Kind of failure if no misreading is named: refusal, acceptance, violation, difference or nondeterminism.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub kind: Option<Category>,
-    /// Clause that the decoder misreads.
-    pub clause: String,
+    /// Clause that the decoder misreads, or that all of the cases test.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub clause: Option<String>,
     /// Behavior of the decoder.
     pub effect: String,
     /// Suggested fix.
@@ -168,14 +169,8 @@ pub struct LikelyCause {
     /// Slugs of other misreadings that affect the same cases.
     #[serde(rename = "with", default, skip_serializing_if = "Vec::is_empty")]
     pub accompanying: Vec<String>,
-    /// Failing cases that this cause reproduces exactly.
+    /// Failing cases that this cause reproduces or describes. The example is the first one.
     pub explains: Vec<String>,
-    /// Failing cases that this cause partly explains.
-    #[serde(rename = "partly", default, skip_serializing_if = "Vec::is_empty")]
-    pub partial: Vec<String>,
-    /// Passing cases that a decoder with this mistake would fail.
-    #[serde(rename = "except", default, skip_serializing_if = "Vec::is_empty")]
-    pub contradicted_by: Vec<String>,
     /// Detailed description of one failure, down to the bytes of the file, if no misreading is named.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub example: Option<String>,
@@ -207,13 +202,21 @@ pub struct CaseResult {
 }
 
 impl LikelyCause {
-    /// Returns true if the cause is a misread clause, as opposed to a crash or nondeterministic answers.
+    /// Returns the misread clause, if there is one. A crash or a nondeterministic answer misreads no clause.
     #[must_use]
-    pub fn blames_clause(&self) -> bool {
-        !matches!(
+    pub fn misread_clause(&self) -> Option<&str> {
+        let is_misreading = !matches!(
             self.kind,
             Some(Category::Violation | Category::Nondeterminism)
-        )
+        );
+        self.clause.as_deref().filter(|_| is_misreading)
+    }
+
+    /// Returns text such as " (clause 2.4/8)", or an empty string if no clause is misread.
+    #[must_use]
+    pub fn clause_text(&self) -> String {
+        let clause = self.misread_clause();
+        clause.map_or_else(String::new, |clause| format!(" (clause {clause})"))
     }
 
     /// Returns the slug of the misreading, or the kind of failure if no misreading is named.
@@ -267,13 +270,10 @@ impl Report {
         baseline.is_some_and(|baseline| baseline.known.contains(&case.id))
     }
 
-    /// Returns the first cause that reproduces this failure, or else the first cause that partly explains it.
+    /// Returns the first cause that explains this failure.
     #[must_use]
     pub fn cause_of(&self, case: &CaseResult) -> Option<&LikelyCause> {
-        let find_in = |cases: fn(&LikelyCause) -> &[String]| {
-            let mut causes = self.diagnoses.iter();
-            causes.find(|cause| cases(cause).contains(&case.id))
-        };
-        find_in(|cause| &cause.explains).or_else(|| find_in(|cause| &cause.partial))
+        let mut causes = self.diagnoses.iter();
+        causes.find(|cause| cause.explains.contains(&case.id))
     }
 }

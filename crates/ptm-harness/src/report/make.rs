@@ -283,20 +283,10 @@ fn cause<A: 'static>(
     ids: &dyn Fn(&[usize]) -> Vec<String>,
     diagnosis: &Diagnosis<A>,
 ) -> LikelyCause {
-    let shown = diagnosis.observed.as_ref();
-    let mut cause = named_cause(shown.unwrap_or(&diagnosis.cause));
-    if shown.is_none() {
-        cause.contradicted_by = ids(&diagnosis.contradicted_by);
-    } else if diagnosis.contradicted_by.is_empty() {
-        // The misreading is one of several mistakes with the same effect, unless passing cases contradict it.
-        let named = named_cause(&diagnosis.cause);
-        let first = named.misreading.into_iter();
-        cause.equivalents = first.chain(named.equivalents).collect();
-        cause.accompanying = named.accompanying;
+    LikelyCause {
+        explains: ids(&diagnosis.explains),
+        ..named_cause(&diagnosis.cause)
     }
-    cause.explains = ids(&diagnosis.explains);
-    cause.partial = ids(&diagnosis.partial);
-    cause
 }
 
 /// Converts the cause in a diagnosis to the form used in reports.
@@ -308,7 +298,7 @@ fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
             accompanying,
         } => LikelyCause {
             misreading: Some(misreading.slug.to_owned()),
-            clause: misreading.clause.to_owned(),
+            clause: Some(misreading.clause.to_owned()),
             effect: misreading.effect.to_owned(),
             fix: misreading.fix.to_owned(),
             equivalents: slugs(equivalents),

@@ -1,5 +1,6 @@
 //! Sentences used in both text and HTML reports, and descriptions of misreadings from the catalogs.
 
+use crate::diagnose::Category;
 use crate::report::document::LikelyCause;
 use ptm_mistakes::{texture, writing};
 use ptm_suite::name::SuiteName;
@@ -22,44 +23,31 @@ const MAX_EQUIVALENT_MISREADINGS: usize = 3;
 /// empty), the text after the name, and the page of the misreading on the site.
 type Detail<'a> = (String, &'a str, &'static str, Option<String>);
 
-/// Returns the details of a cause: misreadings with the same effect, accompanying misreadings, partly explained failures, and
-/// passing cases that contradict the cause.
+/// Returns the details of a cause: misreadings with the same effect, and misreadings that the decoder also makes.
 #[must_use]
 pub fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
     let subject = suite.subject();
     let mut details: Vec<Detail> = Vec::new();
+    let same = match cause.kind {
+        // A refusal and a crash do not look the same.
+        Some(Category::Refusal) => "also show no image of these files",
+        _ => "look the same in these cases",
+    };
     let mut equivalent = misreading_texts(suite, &cause.equivalents);
     for [slug, clause, effect] in equivalent.by_ref().take(MAX_EQUIVALENT_MISREADINGS) {
-        let before = format!("A decoder that {effect} would look the same (clause {clause}; ");
+        let before = format!("A decoder that {effect} would {same} (clause {clause}; ");
         details.push((before, slug, ")", Some(suite.misreading_page(slug))));
     }
     let more = equivalent.count();
     if more > 0 {
         let plural = if more == 1 { "" } else { "s" };
-        let before = format!("{more} other misreading{plural} would look the same; see the report");
+        let before = format!("{more} other misreading{plural} would {same}; see the report");
         details.push((before, "", "", None));
     }
     for [slug, _, effect] in misreading_texts(suite, &cause.accompanying) {
-        let before = format!("In some of these cases, the {subject} also {effect} (");
+        let before =
+            format!("Some of these responses need a second mistake: the {subject} also {effect} (");
         details.push((before, slug, ")", None));
-    }
-    let partly = match cause.partial.len() {
-        1 => "1 other failure may have the same cause, at least in part".to_owned(),
-        count => format!("{count} other failures may have the same cause, at least in part"),
-    };
-    if !cause.partial.is_empty() {
-        details.push((partly, "", "", None));
-    }
-    if let Some(passing) = cause.contradicted_by.first() {
-        let count = cause.contradicted_by.len();
-        let passing_cases = match count {
-            1 => "1 case that passes".to_owned(),
-            _ => format!("{count} cases that pass"),
-        };
-        let before = format!(
-            "However, a {subject} with this mistake would also fail {passing_cases}, for example "
-        );
-        details.push((before, passing, "", None));
     }
     details
 }

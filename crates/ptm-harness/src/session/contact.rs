@@ -475,8 +475,11 @@ pub(super) fn non_decoder_reason<V, T>(first: &[FirstFile<V, T>]) -> Option<Stri
         (Answer::Unsupported, _) if refused == 0 => {
             "it exits with 69 (unsupported) on all of the first requests".to_owned()
         }
+        (Answer::Rejected | Answer::Unsupported, _) if refused == first.len() => {
+            format!("it refuses all of the {refused} first files (exit status 65)")
+        }
         (Answer::Rejected | Answer::Unsupported, _) => format!(
-            "it produces no output for the first requests, and refuses {refused} of {} (exit status 65)",
+            "it decodes none of the {} first files: it refuses {refused} (exit status 65), and exits with 69 (unsupported) on the others",
             first.len()
         ),
         (Answer::TimedOut(limit), _) => format!("it {limit} and decodes none of the first files"),

@@ -90,7 +90,7 @@ impl Tally {
             let more = if slow.len() > MAX_NAMED { ", …" } else { "" };
             let named = named.join(", ");
             remarks.push(Remark::note(format!(
-                "it exceeded the time limit of {limit} s (`--timeout`) on {count} and answered within {higher} s when no other request was in progress, which is not a failure: {named}{more}"
+                "it exceeded the time limit of {limit} s (`--timeout`) on {count} and ended within {higher} s when no other request was in progress; the time is no failure: {named}{more}"
             )));
         }
         if open > 0 {

@@ -12,7 +12,8 @@ pub fn quote_last_message(separator: &str, stderr: &str) -> String {
 }
 
 /// Returns the last line of standard error that looks like a message, if any.
-fn last_message(stderr: &str) -> Option<&str> {
+#[must_use]
+pub fn last_message(stderr: &str) -> Option<&str> {
     let lines = stderr.lines().rev().map(str::trim_end);
     let mut messages = lines.filter(|line| !line.is_empty());
     let is_trailer = |line: &&str| {

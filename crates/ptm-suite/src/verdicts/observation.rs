@@ -90,7 +90,7 @@ pub enum Response<T = Frame, D = Difference> {
         difference: Option<D>,
         /// The tolerance that was applied.
         allowance: Allowance,
-        /// The image, if it differs from the reference's.
+        /// The image, unless it equals the reference's.
         frame: Option<T>,
     },
     /// Exit status 65.
@@ -114,8 +114,11 @@ impl<T: Clone, D> Response<T, D> {
             Answer::Unsupported => Response::Unsupported,
             Answer::Decoded(output) => {
                 let result = case.compare(built, view, output);
-                let differs =
-                    result.right != RightDialects::Regardless(true) && result.difference.is_some();
+                // An image of a malformed file is kept, because it shows how the file was read.
+                let differs = match result.right {
+                    RightDialects::Regardless(is_right) => !is_right,
+                    RightDialects::Depends { .. } => result.difference.is_some(),
+                };
                 Response::Image {
                     right: result.right,
                     difference: result.difference,
@@ -178,7 +181,7 @@ impl<T, D> Response<T, D> {
         }
     }
 
-    /// Returns the image if it differs from the reference's.
+    /// Returns the image unless it equals the reference's. The reference shows no image of a malformed file.
     pub const fn wrong_image(&self) -> Option<&T> {
         match self {
             Response::Image { frame, .. } => frame.as_ref(),

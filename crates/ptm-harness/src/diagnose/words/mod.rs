@@ -11,10 +11,23 @@ pub(super) mod violation;
 
 pub use arithmetic::format_steps as arithmetic_steps;
 
-use super::scope::{SharedScope, list_formats, own_formats};
+use super::groups::Group;
+use super::scope::{SharedScope, common_property, list_formats, own_formats};
 use super::witness::Witness;
 use ptm::Format;
 use ptm_suite::cases::Expect;
+
+/// Describes the files of a group by what they share or, if that is unknown, by their number and formats.
+fn files_of_group(witnesses: &[Witness], group: &Group) -> String {
+    if let Some(shared) = &group.shared {
+        return files_in_scope(witnesses, shared);
+    }
+    let share = share_text(witnesses, &group.cases);
+    match common_property(witnesses, &group.cases) {
+        Some(property) => format!("{share}, all {property}"),
+        None => share,
+    }
+}
 
 /// Describes the files in a scope: "every legal file with predicted planes", "12 of 14 legal files with predicted planes" if other
 /// files in the scope fail in another way, or "12 legal files with predicted planes" if other files were not judged.
@@ -64,11 +77,11 @@ fn format_names(witnesses: &[Witness], indices: &[usize]) -> String {
     }
 }
 
-/// Returns text such as ", in files of RGB" if a mistake that could affect all files affects only a few formats.
+/// Returns text such as ", seen in files of RGB" if a mistake that could affect all files shows only in a few formats.
 pub(super) fn formats_phrase(witnesses: &[Witness], indices: &[usize]) -> String {
     match format_names(witnesses, indices) {
         names if names.is_empty() => names,
-        names => format!(", in files{names}"),
+        names => format!(", seen in files{names}"),
     }
 }
 

@@ -36,7 +36,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
         Some(Diagnosis::new(
             Cause::Described {
                 category: Category::Nondeterminism,
-                clause: case.clauses.first().cloned().unwrap_or_default(),
+                clause: None,
                 effect: effect.to_owned(),
                 fix: fix.to_owned(),
                 example: format!("for example {}: {}", case.id, diff.message),

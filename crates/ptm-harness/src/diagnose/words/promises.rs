@@ -23,7 +23,7 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosi
     Some(Diagnosis::new(
         Cause::Described {
             category: Category::Refusal,
-            clause: "2.2/1".to_owned(),
+            clause: Some("2.2/1".to_owned()),
             effect: format!(
                 "exits with 69 (unsupported) on {} files, although its capabilities declare their formats: {}",
                 indices.len(),

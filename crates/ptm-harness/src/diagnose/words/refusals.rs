@@ -1,48 +1,93 @@
-//! Describes legal files that the decoder refused or crashed on, by a property that these files share and no accepted file has.
+//! Describes legal files that the decoder refused or crashed on.
 
-use super::{files_in_scope, share_text};
-use crate::diagnose::diagnosis::{Category, Cause, CauseText, Diagnosis};
-use crate::diagnose::scope::{format_sets, shared_scope};
-use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_few, is_substantial};
-use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
+use super::{files_of_group, share_text};
+use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
+use crate::diagnose::failure_mode::FailureMode;
+use crate::diagnose::groups::Group;
+use crate::diagnose::rules;
+use crate::diagnose::scope::shared_scope;
+use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SUPPORT, is_nearly_all};
+use crate::diagnose::witness::Witness;
 use ptm::Format;
-use ptm_mistakes::{Misreading, Symptom};
+use ptm_mistakes::Misreading;
 use ptm_suite::cases::Expect;
 use ptm_suite::kit::last_message::quote_last_message;
 
-/// Describes refusals by a property that the refused files share and no decoded file has. Removes these files from `left`.
-pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
-    let mut diagnoses = Vec::new();
-    let read = files_read(witnesses);
-    for mode in FailureMode::list_by_frequency(witnesses, left) {
-        let mut open = mode.select(witnesses, left);
-        // A property shared by a few of many files is a coincidence.
-        let find_shared = |open: &[usize]| {
-            format_sets(witnesses, open).iter().find_map(|formats| {
-                let shared = shared_scope(witnesses, formats, open, &read, true)?;
-                is_substantial(shared.cases.len(), open.len()).then_some(shared)
-            })
-        };
-        while let Some(shared) = find_shared(&open) {
-            open.retain(|w| !shared.cases.contains(w));
-            left.retain(|w| !shared.cases.contains(w));
-            let effect = format!("{mode} {}", files_in_scope(witnesses, &shared));
-            let refusal = mode_diagnosis(witnesses, &shared.cases, &mode, effect);
-            diagnoses.push(refusal.with_clause(shared.scope.clause()));
+/// Describes a group of files without an image, which may include wrong images of files with the same property.
+pub(in crate::diagnose) fn describe(witnesses: &[Witness], group: &Group) -> Diagnosis {
+    let cases = &group.cases;
+    let effect = match (&group.shared, cases.len()) {
+        (Some(_), _) => outcomes_text(witnesses, cases, &files_of_group(witnesses, group)),
+        (None, 1) => outcomes_text(witnesses, cases, "a legal file; the cause is unknown"),
+        (None, count) if files_read(witnesses).len() < MIN_READ_FILES => {
+            let files = format!(
+                "{count} legal files; the decoder reads so few other files that no distinguishing property can be found"
+            );
+            outcomes_text(witnesses, cases, &files)
         }
-    }
-    diagnoses
+        (None, _) => outcomes_text(witnesses, cases, &share_text(witnesses, cases)),
+    };
+    let fix = match group.shared {
+        Some(_) => fix(witnesses, cases),
+        None => "start with the example, the smallest of these files".to_owned(),
+    };
+    let text = CauseText {
+        effect,
+        fix,
+        example: example(witnesses, cases),
+    };
+    Diagnosis::from_description(Category::Refusal, witnesses, cases, text, group.clause())
 }
 
-/// Returns the diagnosis for files that fail in the same way.
-fn mode_diagnosis(
-    witnesses: &[Witness],
-    indices: &[usize],
-    mode: &FailureMode,
-    effect: String,
-) -> Diagnosis {
+/// Describes files without an image that a decoder with a certain mistake would also refuse, by a property if only they have one.
+pub(in crate::diagnose) fn describe_failures(witnesses: &[Witness], cases: &[usize]) -> Diagnosis {
+    let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !cases.contains(w);
+    let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
+    let shared = shared_scope(witnesses, &Format::ALL, cases, &others, false);
+    let group = Group {
+        cases: cases.to_vec(),
+        shared: shared.filter(|shared| shared.cases.len() == cases.len()),
+    };
+    let effect = match group.shared {
+        Some(_) => outcomes_text(witnesses, cases, &files_of_group(witnesses, &group)),
+        None => outcomes_text(witnesses, cases, &share_text(witnesses, cases)),
+    };
+    let text = CauseText {
+        effect,
+        fix: fix(witnesses, cases),
+        example: example(witnesses, cases),
+    };
+    Diagnosis::from_description(Category::Refusal, witnesses, cases, text, group.clause())
+}
+
+/// Returns what the decoder does with these files, which `files` describes: "refuses every legal file …", or "refuses 12 and crashes
+/// (exit status 1) on 3 of 15 legal files …".
+fn outcomes_text(witnesses: &[Witness], cases: &[usize], files: &str) -> String {
+    let modes = FailureMode::list_by_frequency(witnesses, cases);
+    let is_image = |w: &&usize| FailureMode::new(&witnesses[**w]).is_none();
+    let images = cases.iter().filter(is_image).count();
+    if let ([mode], 0) = (&modes[..], images) {
+        return format!("{mode} {files}");
+    }
+    let count = |mode: &FailureMode| mode.select(witnesses, cases).len();
+    let mut outcomes: Vec<String> = (modes.iter())
+        .map(|mode| format!("{mode} {}", count(mode)))
+        .collect();
+    if images > 0 {
+        outcomes.push(format!("shows a wrong image for {images}"));
+    }
+    let last = outcomes.pop().unwrap_or_default();
+    format!("{} and {last}: {files}", outcomes.join(", "))
+}
+
+/// Returns advice about legal files without an image.
+fn fix(witnesses: &[Witness], cases: &[usize]) -> String {
     let read = "read these legal files, or exit with 69 for all files of this kind";
-    let fix = match (mode, mode.refusal_status()) {
+    let modes = FailureMode::list_by_frequency(witnesses, cases);
+    let Some(mode) = modes.first() else {
+        return read.to_owned();
+    };
+    match (mode, mode.refusal_status()) {
         (FailureMode::TimesOut(_), _) => {
             "find out why these files take so long; if the decoder needs the time, raise the limit with --timeout".to_owned()
         }
@@ -55,30 +100,33 @@ fn mode_diagnosis(
                 .to_owned()
         }
         _ => read.to_owned(),
-    };
-    let text = CauseText {
-        effect,
-        fix,
-        example: example(witnesses, indices),
-    };
-    Diagnosis::from_description(Category::Refusal, witnesses, indices, text)
+    }
+}
+
+/// Returns true if the decoder fails in the same way on more files, which share a property with nearly all of these.
+pub(in crate::diagnose) fn is_part_of_a_larger_group(
+    witnesses: &[Witness],
+    cases: &[usize],
+) -> bool {
+    let read = files_read(witnesses);
+    let failing: Vec<usize> = (0..witnesses.len())
+        .filter(|&w| witnesses[w].failed && witnesses[w].case.expect == Expect::Decode)
+        .collect();
+    FailureMode::list_by_frequency(witnesses, cases)
+        .iter()
+        .any(|mode| {
+            let group = mode.select(witnesses, &failing);
+            let shared = shared_scope(witnesses, &Format::ALL, &group, &read, true);
+            shared.is_some_and(|shared| {
+                let common = cases.iter().filter(|w| shared.cases.contains(w)).count();
+                is_nearly_all(common, cases.len())
+                    && shared.cases.len() >= cases.len() + MIN_SUPPORT
+            })
+        })
 }
 
 pub(super) fn reject_exit_hint(status: i32) -> String {
     format!("if this decoder refuses files with status {status}, use --reject-exit {status}")
-}
-
-/// Returns, for each failure mode, the failures that a single shared property explains.
-pub fn shared_failures(witnesses: &[Witness], failing: &[usize]) -> Vec<Vec<usize>> {
-    let read = files_read(witnesses);
-    let explained = |mode: FailureMode| {
-        let group = mode.select(witnesses, failing);
-        shared_scope(witnesses, &Format::ALL, &group, &read, true).map(|shared| shared.cases)
-    };
-    FailureMode::list_by_frequency(witnesses, failing)
-        .into_iter()
-        .filter_map(explained)
-        .collect()
 }
 
 /// Returns the legal files that the decoder reads, correctly or not. Files that fail in another way are not evidence.
@@ -91,6 +139,21 @@ fn files_read(witnesses: &[Witness]) -> Vec<usize> {
 fn common_mode(witnesses: &[Witness], indices: &[usize]) -> Option<FailureMode> {
     let mode = FailureMode::new(&witnesses[*indices.first()?])?;
     (mode.select(witnesses, indices).len() == indices.len()).then_some(mode)
+}
+
+/// Returns true if this is a single file without an image, and the decoder fails in the same way on legal files in `left`.
+pub(in crate::diagnose) fn is_single_among_others(
+    witnesses: &[Witness],
+    cases: &[usize],
+    left: &[usize],
+) -> bool {
+    let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
+    let left: Vec<usize> = left.iter().copied().filter(is_legal).collect();
+    match cases {
+        [only] => FailureMode::new(&witnesses[*only])
+            .is_some_and(|mode| !mode.select(witnesses, &left).is_empty()),
+        _ => false,
+    }
 }
 
 /// Formats whose legal files all fail in the same way, without an image.
@@ -134,6 +197,9 @@ pub(in crate::diagnose) fn whole_formats(witnesses: &[Witness]) -> Vec<WholeForm
         }
     }
     groups.retain(|group| group.cases.len() >= MIN_SUPPORT);
+    for group in &mut groups {
+        rules::sort_smallest_first(witnesses, &mut group.cases);
+    }
     groups
 }
 
@@ -155,112 +221,21 @@ impl WholeFormats {
             FailureMode::Refuses | FailureMode::Unsupported => others,
             _ => Vec::new(),
         };
-        Diagnosis::from_description(Category::Refusal, witnesses, &self.cases, text)
-            .with_equivalents(others)
-            .with_clause("2.2/1")
-    }
-}
-
-/// Describes these files if all of them fail in the same way and no other legal file has their common format or property.
-pub(in crate::diagnose) fn describe_observation(
-    witnesses: &[Witness],
-    indices: &[usize],
-) -> Option<Diagnosis> {
-    let mode = common_mode(witnesses, indices)?;
-    let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !indices.contains(w);
-    let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
-    let shared = shared_scope(witnesses, &Format::ALL, indices, &others, false)?;
-    let effect = format!("{mode} {}", files_in_scope(witnesses, &shared));
-    (shared.cases.len() == indices.len()).then(|| mode_diagnosis(witnesses, indices, &mode, effect))
-}
-
-/// Describes the failures on the legal files in `indices` if the evidence for the misreading is weak because few of the responses
-/// are images. Returns `None` if the misreading predicts the refusals, and all misreadings in `others` have the same clause.
-pub(in crate::diagnose) fn describe_non_images(
-    witnesses: &[Witness],
-    indices: &[usize],
-    misreading: &Misreading,
-    others: &[&Misreading],
-) -> Option<Cause> {
-    let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
-    let indices: Vec<usize> = indices.iter().copied().filter(is_legal).collect();
-    let is_refusal =
-        |mode: &FailureMode| matches!(mode, FailureMode::Refuses | FailureMode::Unsupported);
-    let modes = FailureMode::list_by_frequency(witnesses, &indices);
-    let images = indices
-        .iter()
-        .filter(|&&w| FailureMode::new(&witnesses[w]).is_none());
-    let is_predicted = modes.iter().all(is_refusal) && misreading.symptom == Symptom::Refusals;
-    let is_unique = others.iter().all(|other| other.clause == misreading.clause);
-    if indices.is_empty() || !is_few(images.count(), indices.len()) || is_predicted && is_unique {
-        return None;
-    }
-    let mode = modes.first()?;
-    let effect = outcomes_text(witnesses, &indices, &modes);
-    let refusal = mode_diagnosis(witnesses, &indices, mode, effect);
-    Some(match is_unique {
-        true => refusal.with_clause(misreading.clause).cause,
-        false => refusal.cause,
-    })
-}
-
-/// Returns a list of outcomes such as "crashes (exit status 1) on 12 legal files, and refuses 1 legal file".
-fn outcomes_text(witnesses: &[Witness], indices: &[usize], modes: &[FailureMode]) -> String {
-    let files = |count: usize| match count {
-        1 => "1 legal file".to_owned(),
-        count => format!("{count} legal files"),
-    };
-    let outcome =
-        |mode: &FailureMode| format!("{mode} {}", files(mode.select(witnesses, indices).len()));
-    let mut outcomes: Vec<String> = modes.iter().map(outcome).collect();
-    let is_image = |w: &&usize| FailureMode::new(&witnesses[**w]).is_none();
-    match indices.iter().filter(is_image).count() {
-        0 => {}
-        count => outcomes.push(format!("shows a wrong image for {}", files(count))),
-    }
-    outcomes.join(", and ")
-}
-
-/// Describes refusals that no property explains, and removes them from `left`.
-pub(in crate::diagnose) fn describe_unexplained(
-    witnesses: &[Witness],
-    left: &mut Vec<usize>,
-) -> Vec<Diagnosis> {
-    let mut diagnoses = Vec::new();
-    for mode in FailureMode::list_by_frequency(witnesses, left) {
-        let indices = mode.select(witnesses, left);
-        left.retain(|w| !indices.contains(w));
-        let effect = match indices.len() {
-            1 => format!("{mode} a legal file; the cause is unknown"),
-            count if files_read(witnesses).len() < MIN_READ_FILES => format!(
-                "{mode} {count} legal files; the decoder reads so few other files that no distinguishing property can be found"
-            ),
-            _ => format!("{mode} {}", share_text(witnesses, &indices)),
-        };
-        let text = CauseText {
-            effect,
-            fix: "start with the example, the smallest of these files".to_owned(),
-            example: example(witnesses, &indices),
-        };
-        diagnoses.push(Diagnosis::from_description(
+        Diagnosis::from_description(
             Category::Refusal,
             witnesses,
-            &indices,
+            &self.cases,
             text,
-        ));
+            Some("2.2/1"),
+        )
+        .with_equivalents(others)
     }
-    diagnoses
 }
 
-/// Describes the smallest of these files: the reason for its case, and the last message on standard error.
-pub(in crate::diagnose) fn example(witnesses: &[Witness], indices: &[usize]) -> String {
-    let smallest = indices
-        .iter()
-        .map(|&w| &witnesses[w])
-        .min_by_key(|witness| witness.built.file.len())
-        .expect("a diagnosis explains at least one case");
-    let stderr = &smallest.observation.stderr;
-    let because = smallest.case.because.trim_end_matches('.');
-    let message = quote_last_message("; ", stderr);
-    format!("for example {}: {because}{message}", smallest.case.id)
+/// Describes the first of these failures: the reason for its case, and the last message on standard error.
+pub(in crate::diagnose) fn example(witnesses: &[Witness], cases: &[usize]) -> String {
+    let first = &witnesses[cases[0]];
+    let because = first.case.because.trim_end_matches('.');
+    let message = quote_last_message("; ", &first.observation.stderr);
+    format!("for example {}: {because}{message}", first.case.id)
 }

@@ -2,6 +2,7 @@
 
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
+use crate::diagnose::rules;
 use crate::diagnose::tuning::{MIN_SUPPORT, is_few, is_most};
 use crate::diagnose::witness::{Witness, uniform_value};
 use ptm_suite::cases::Expect;
@@ -11,7 +12,8 @@ use ptm_suite::verdicts::observation::Response;
 /// Describes views whose images do not depend on the file, and removes these images from `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let found = find_uniform_images(witnesses, left);
-    let diagnosis = |(effect, indices): (String, Vec<usize>)| {
+    let diagnosis = |(effect, mut indices): (String, Vec<usize>)| {
+        rules::sort_smallest_first(witnesses, &mut indices);
         let clause = witnesses[indices[0]].observation.view.kind().clause();
         left.retain(|w| !indices.contains(w));
         let text = CauseText {
@@ -19,8 +21,13 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
             fix: "start with the example, the smallest of these files".to_owned(),
             example: example(witnesses, &indices),
         };
-        Diagnosis::from_description(Category::Difference, witnesses, &indices, text)
-            .with_clause(clause)
+        Diagnosis::from_description(
+            Category::Difference,
+            witnesses,
+            &indices,
+            text,
+            Some(clause),
+        )
     };
     found.into_iter().map(diagnosis).collect()
 }

@@ -2,7 +2,7 @@
 
 use super::{acceptances::fault_text, list_first, refusals::example, refusals::reject_exit_hint};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
-use crate::diagnose::{failure_mode::FailureMode, witness::Witness};
+use crate::diagnose::{failure_mode::FailureMode, rules, witness::Witness};
 use ptm_suite::cases::Expect;
 use ptm_suite::verdicts::observation::Response;
 
@@ -18,14 +18,15 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
     let refuses = (0..witnesses.len())
         .any(|w| refusable(w) && matches!(witnesses[w].observation.response, Response::Rejected));
     let diagnosis = |mode: FailureMode| {
-        let group = mode.select(witnesses, &indices);
+        let mut group = mode.select(witnesses, &indices);
+        rules::sort_smallest_first(witnesses, &mut group);
         let may_be_read = |w: &usize| witnesses[*w].case.expect.is_optional();
         let text = CauseText {
             effect: format!("{mode} {}", describe_files(witnesses, &group, refuses)),
             fix: fix(&mode, group.iter().all(may_be_read)),
             example: example(witnesses, &group),
         };
-        Diagnosis::from_description(Category::Violation, witnesses, &group, text)
+        Diagnosis::from_description(Category::Violation, witnesses, &group, text, None)
     };
     FailureMode::list_by_frequency(witnesses, &indices)
         .into_iter()

@@ -1,0 +1,206 @@
+//! Groups failures that no mistake explains by what the files of a group share and no other file has.
+
+use std::collections::BTreeMap;
+
+use super::failure_mode::{FailureMode, message_form};
+use super::place::Step;
+use super::rules;
+use super::scope::{FileScope, SharedScope, common_property, format_sets, shared_scope};
+use super::search::{MistakeSet, Search};
+use super::tuning::{is_few, is_most, is_substantial};
+use super::witness::Witness;
+use ptm_suite::cases::Expect;
+
+/// Failures with the same cause, sorted with the smallest file first.
+pub(super) struct Group {
+    pub cases: Vec<usize>,
+    /// What the files share, if it is known.
+    pub shared: Option<SharedScope>,
+}
+
+impl Group {
+    fn new(witnesses: &[Witness], mut cases: Vec<usize>, shared: Option<SharedScope>) -> Group {
+        rules::sort_smallest_first(witnesses, &mut cases);
+        Group { cases, shared }
+    }
+
+    /// Returns the clause about the property that the files share.
+    pub fn clause(&self) -> Option<&'static str> {
+        self.shared
+            .as_ref()
+            .and_then(|shared| shared.scope.clause())
+    }
+}
+
+/// Groups legal files without an image, and takes them from `left`.
+///
+/// A property is searched among files with the same form of the last line on standard error. Files with the same property are in one
+/// group even if the decoder refuses some, crashes on some and misreads others.
+pub(super) fn group_stops(search: &Search, left: &mut Vec<usize>) -> Vec<Group> {
+    let witnesses = search.witnesses;
+    let is_stop = |w: &usize| {
+        witnesses[*w].case.expect == Expect::Decode && FailureMode::new(&witnesses[*w]).is_some()
+    };
+    let is_image = |w: &usize| witnesses[*w].is_image_of_legal_file();
+    let all: Vec<usize> = (0..witnesses.len()).filter(is_image).collect();
+    // A wrong image with an unknown cause may have the same cause as the files without an image.
+    let known: Vec<usize> = all.iter().copied().filter(|w| !left.contains(w)).collect();
+    let mut by_message: BTreeMap<String, Vec<usize>> = BTreeMap::new();
+    for w in left.iter().copied().filter(is_stop) {
+        let message = message_form(&witnesses[w].observation.stderr);
+        by_message.entry(message).or_default().push(w);
+    }
+    left.retain(|w| !is_stop(w));
+    let mut groups: Vec<Group> = Vec::new();
+    let mut rest: Vec<(String, Vec<usize>)> = Vec::new();
+    for (message, mut open) in by_message {
+        for read in [&all, &known] {
+            while let Some(mut shared) = stop_scope(witnesses, &open, read) {
+                // That all images of a format are also wrong connects them with nothing.
+                let is_format = matches!(shared.scope, FileScope::Formats(_));
+                if is_format && read.len() < all.len() {
+                    break;
+                }
+                open.retain(|w| !shared.cases.contains(w));
+                let mut cases = shared.cases.clone();
+                // If the group explains no image of a file in the scope, these images belong to the group.
+                let is_inside = |w: &&usize| is_image(w) && shared.contains(&witnesses[**w]);
+                cases.extend(left.iter().filter(is_inside));
+                left.retain(|w| !cases.contains(w));
+                shared.cases.clone_from(&cases);
+                let group = Group::new(witnesses, cases, Some(shared));
+                join(witnesses, &mut groups, group);
+            }
+        }
+        if !open.is_empty() {
+            rest.push((message, open));
+        }
+    }
+    for (message, open) in rest {
+        if message.is_empty() {
+            for mode in FailureMode::list_by_frequency(witnesses, &open) {
+                groups.push(Group::new(witnesses, mode.select(witnesses, &open), None));
+            }
+        } else {
+            groups.push(Group::new(witnesses, open, None));
+        }
+    }
+    groups
+}
+
+/// Returns what a substantial part of the files without an image share and no file in `read` has.
+fn stop_scope(witnesses: &[Witness], open: &[usize], read: &[usize]) -> Option<SharedScope> {
+    let sets = format_sets(witnesses, open);
+    sets.iter().find_map(|formats| {
+        let shared = shared_scope(witnesses, formats, open, read, true)?;
+        // A property shared by a few of many files is a coincidence.
+        is_substantial(shared.cases.len(), open.len()).then_some(shared)
+    })
+}
+
+/// Groups wrong images. Images that first differ in different steps are in different groups.
+pub(super) fn group_images(
+    search: &Search,
+    set: &MistakeSet,
+    steps: &[(usize, Step)],
+) -> Vec<(Step, Group)> {
+    let witnesses = search.witnesses;
+    // A correct or reproduced image of a file with a property contradicts it. A file without an image is no evidence.
+    let is_known = |w: &usize| {
+        let witness = &witnesses[*w];
+        witness.is_image_of_legal_file()
+            && (!witness.failed || search.agreement(*w, set).explains())
+    };
+    let known: Vec<usize> = (0..witnesses.len()).filter(is_known).collect();
+    let mut by_step: BTreeMap<Step, Vec<usize>> = BTreeMap::new();
+    for &(w, step) in steps {
+        by_step.entry(step).or_default().push(w);
+    }
+    let mut groups: Vec<(Step, Group)> = Vec::new();
+    for (step, mut open) in by_step {
+        let mut parts: Vec<Group> = Vec::new();
+        for formats in format_sets(witnesses, &open) {
+            let Some(shared) = image_scope(search, &formats, &open, &known) else {
+                continue;
+            };
+            open.retain(|w| !shared.cases.contains(w));
+            let group = Group::new(witnesses, shared.cases.clone(), Some(shared));
+            join(witnesses, &mut parts, group);
+        }
+        let is_coded = |w: &usize| witnesses[*w].case.format().coding().is_some();
+        let (coded, plain): (Vec<usize>, Vec<usize>) = open.into_iter().partition(is_coded);
+        // The files with compressed planes are a group of their own if they have something in common.
+        let rest = match common_property(witnesses, &coded) {
+            Some(_) => vec![coded, plain],
+            None => vec![[coded, plain].concat()],
+        };
+        for cases in rest.into_iter().filter(|cases| !cases.is_empty()) {
+            parts.push(Group::new(witnesses, cases, None));
+        }
+        // Files with the same property belong to the group that differs in the earliest step.
+        for part in parts {
+            let is_property = |group: &Group| {
+                let shared = group.shared.as_ref();
+                shared.is_some_and(|shared| !matches!(shared.scope, FileScope::Formats(_)))
+            };
+            let same = |(_, group): &&mut (Step, Group)| has_same_scope(group, &part);
+            match groups.iter_mut().find(same) {
+                Some((_, group)) if is_property(&part) => extend(witnesses, group, part.cases),
+                _ => groups.push((step, part)),
+            }
+        }
+    }
+    groups
+}
+
+/// Returns what most of these wrong images share and no known image has.
+fn image_scope(
+    search: &Search,
+    formats: &[ptm::Format],
+    open: &[usize],
+    known: &[usize],
+) -> Option<SharedScope> {
+    let witnesses = search.witnesses;
+    let format = |w: usize| witnesses[w].case.format();
+    // If nearly all failures of these formats are explained, the rest nearly always share some property by chance.
+    let is_explained = |w: &&usize| {
+        witnesses[**w].failed && open.iter().any(|other| format(*other) == format(**w))
+    };
+    let is_rest = is_few(open.len(), known.iter().filter(is_explained).count());
+    if open.is_empty() || search.is_arbitrary || is_rest {
+        return None;
+    }
+    let shared = shared_scope(witnesses, formats, open, known, false)?;
+    (is_most(shared.cases.len(), open.len()) && shared.is_prevalent(witnesses)).then_some(shared)
+}
+
+/// Adds a group to a list, or its cases to a group whose files share the same property in other formats.
+fn join(witnesses: &[Witness], groups: &mut Vec<Group>, new: Group) {
+    match groups.iter_mut().find(|group| has_same_scope(group, &new)) {
+        Some(group) => {
+            if let (Some(shared), Some(more)) = (&mut group.shared, new.shared) {
+                shared.add_formats(&more);
+            }
+            extend(witnesses, group, new.cases);
+        }
+        None => groups.push(new),
+    }
+}
+
+fn extend(witnesses: &[Witness], group: &mut Group, cases: Vec<usize>) {
+    group.cases.extend(cases);
+    rules::sort_smallest_first(witnesses, &mut group.cases);
+    if let Some(shared) = &mut group.shared {
+        shared.cases.clone_from(&group.cases);
+    }
+}
+
+fn has_same_scope(a: &Group, b: &Group) -> bool {
+    match (&a.shared, &b.shared) {
+        (Some(a), Some(b)) => match (&a.scope, &b.scope) {
+            (FileScope::Formats(_), FileScope::Formats(_)) => true,
+            (a, b) => a == b,
+        },
+        _ => false,
+    }
+}

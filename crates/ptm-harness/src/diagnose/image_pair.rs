@@ -1,0 +1,87 @@
+//! A received image next to the expected one.
+
+use super::search::{MistakeId, Search};
+use super::witness::Witness;
+use ptm_suite::compare::{Expected, LOSSY_TOLERANCE, is_near};
+use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
+
+/// A received and an expected image of the same shape.
+pub(super) struct ImagePair {
+    pub width: usize,
+    pub height: usize,
+    pub channels: usize,
+    pub expected: Vec<f64>,
+    pub received: Vec<f64>,
+    pub view: ViewKind,
+    /// Tolerance of each sample in addition to that of the view; empty if there is none.
+    slack: Vec<f64>,
+    /// Tolerance of all samples in addition to that of the view.
+    loss: f64,
+}
+
+impl ImagePair {
+    /// Creates a pair from two images in a case. Returns `None` if the shapes of the images differ.
+    pub fn new(witness: &Witness, expected: &Frame, received: &Frame) -> Option<ImagePair> {
+        let shape = |frame: &Frame| (frame.shape(), frame.samples.sample_type());
+        let values = Expected::new(&witness.built.values, &witness.observation.view);
+        let slack = values.map_or_else(Vec::new, |values| values.slack);
+        (shape(expected) == shape(received) && expected.channels > 0).then(|| ImagePair {
+            width: expected.width as usize,
+            height: expected.height as usize,
+            channels: expected.channels as usize,
+            expected: expected.samples.to_reals(),
+            received: received.samples.to_reals(),
+            view: expected.view,
+            slack: if slack.len() == expected.samples.len() {
+                slack
+            } else {
+                Vec::new()
+            },
+            loss: if received.lossy { LOSSY_TOLERANCE } else { 0.0 },
+        })
+    }
+
+    /// Returns the samples of one channel.
+    pub fn channel(&self, channel: usize) -> ImagePair {
+        let select = |values: &[f64]| {
+            let values = values.iter().skip(channel);
+            values.step_by(self.channels).copied().collect()
+        };
+        ImagePair {
+            channels: 1,
+            expected: select(&self.expected),
+            received: select(&self.received),
+            slack: select(&self.slack),
+            ..*self
+        }
+    }
+
+    /// Returns the indices of the samples that differ by more than their tolerance.
+    pub fn wrong_samples(&self) -> Vec<usize> {
+        let (expected, received) = (&self.expected, &self.received);
+        let is_wrong = |&i: &usize| {
+            let slack = self.slack.get(i).copied().unwrap_or_default();
+            !is_near(self.view, expected[i], received[i], slack, self.loss)
+        };
+        (0..expected.len()).filter(is_wrong).collect()
+    }
+
+    /// Returns one flag per channel: true if any of its samples is wrong.
+    pub fn wrong_channels(&self) -> Vec<bool> {
+        let mut wrong = vec![false; self.channels];
+        for i in self.wrong_samples() {
+            wrong[i % self.channels] = true;
+        }
+        wrong
+    }
+}
+
+/// Returns the received image and the image of a decoder with these mistakes, or `None` if their shapes differ.
+pub(super) fn image_pair(search: &Search, set: &[MistakeId], w: usize) -> Option<ImagePair> {
+    let witness = &search.witnesses[w];
+    let received = witness.wrong_image()?;
+    match &*search.best_answer(w, set) {
+        Answer::Decoded(expected) => ImagePair::new(witness, expected, received),
+        _ => None,
+    }
+}

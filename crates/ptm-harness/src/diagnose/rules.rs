@@ -1,0 +1,155 @@
+//! The rules that keep the sentences of a diagnosis true. `docs/diagnosis.md` explains them to users.
+
+use std::collections::BTreeSet;
+
+use super::mistake::Mistake;
+use super::search::{Effect, MistakeId, MistakeSet, Search, without_id};
+use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all, is_substantial};
+use super::witness::{Agreement, Witness};
+use ptm_mistakes::formula::EditedForm;
+use ptm_mistakes::{Change, Misreading, Symptom};
+use ptm_suite::protocol::frame::ViewKind;
+
+/// *No response contradicts a named mistake.*
+///
+/// A response contradicts a mistake if it agrees with a decoder without the mistake rather than with one that makes it: the mistake
+/// turns a correct or reproduced response into another one, or a wrong image has the values of a decoder without the mistake at
+/// most of the samples that the mistake changes.
+pub(super) fn contradicts(without: Effect, with: Effect) -> bool {
+    if with.answer == without.answer || with.agreement.explains() {
+        return false;
+    }
+    let is_contradiction = |effect: Effect| effect.agreement == Agreement::Contradiction;
+    let changed = with.changed_samples.max(without.changed_samples);
+    let lost = without.equal_samples.saturating_sub(with.equal_samples);
+    is_contradiction(with) && !is_contradiction(without)
+        || without.agreement.explains()
+        || changed >= MIN_SUPPORT && is_most(lost, changed)
+}
+
+/// *An edit, or a mistake in some formats only, is named only if it explains more of the failures than a description of the same
+/// files would.*
+///
+/// It must reproduce at least [`MIN_SUPPORT`] images, and nearly all images of some view that it changes. If it is restricted to
+/// some formats, it must reproduce most of the wrong images in the same views of all formats; otherwise, it may fit what another
+/// mistake left over. `images` are the wrong images that `set` does not reproduce, and `explained` those of them that the mistake
+/// reproduces.
+pub(super) fn explains_more_than_a_description(
+    search: &Search,
+    set: &MistakeSet,
+    mistake: &Mistake,
+    explained: &[usize],
+    images: &[usize],
+) -> bool {
+    let view = |w: usize| search.witnesses[w].observation.view.kind();
+    // A learned table has already been compared with all images of stored values.
+    let is_table = matches!(
+        mistake.misreading.change,
+        Change::Edits([edit]) if matches!(edit.change, EditedForm::Table(_))
+    );
+    let explains_a_view = |one: ViewKind| {
+        let count = |cases: &[usize]| cases.iter().filter(|&&w| view(w) == one).count();
+        let is_changed = |w: &usize| {
+            view(*w) == one
+                && (explained.contains(w) || search.changes_answer_with(*w, set, mistake))
+        };
+        let changed: Vec<usize> = images.iter().copied().filter(is_changed).collect();
+        is_nearly_all(count(explained), changed.len())
+    };
+    let views: BTreeSet<ViewKind> = explained.iter().map(|&w| view(w)).collect();
+    let everywhere = Mistake::unrestricted(mistake.misreading);
+    let is_similar = |w: &&usize| {
+        views.contains(&view(**w))
+            && search.witnesses[**w].wrong_image().is_some()
+            && search.witnesses[**w].can_affect(&everywhere)
+    };
+    let all = || search.failing().iter().filter(is_similar).count();
+    explained.len() >= MIN_SUPPORT
+        && (is_table || ViewKind::ALL.into_iter().any(explains_a_view))
+        && (mistake.formats.is_none() || is_most(explained.len(), all()))
+}
+
+/// *A mistake explains most of the failures that it changes, and a substantial part of the wrong images of its formats and views.*
+///
+/// `explained` are the failures that `set` reproduces because of the mistake, and `left` those that it does not reproduce.
+pub(super) fn explains_most_of_what_it_changes(
+    search: &Search,
+    set: &MistakeSet,
+    id: MistakeId,
+    explained: &[usize],
+    left: &[usize],
+) -> bool {
+    let without = without_id(set, id);
+    let is_changed = |w: &&usize| search.answers_differ(**w, set, &without);
+    let changed = left.iter().filter(is_changed).count();
+    let kind = |w: usize| {
+        let witness = &search.witnesses[w];
+        (witness.case.format(), witness.observation.view.kind())
+    };
+    let kinds: BTreeSet<_> = explained.iter().map(|&w| kind(w)).collect();
+    let is_image = |w: &usize| search.witnesses[*w].is_telling_image();
+    let images = explained.iter().filter(|w| is_image(w)).count();
+    let is_open = |w: &&usize| is_image(w) && kinds.contains(&kind(**w));
+    let open = left.iter().filter(is_open).count();
+    changed <= explained.len() && (images == 0 || is_substantial(images, images + open))
+}
+
+/// *A mechanism is named only if whole images equal its output.*
+///
+/// From refusals follows only an observation, and so it does from acceptances: the image of a malformed file that is that of its
+/// legal twin does not show how the fault was read. A misreading that consists of refusals or acceptances is itself an observation.
+pub(super) fn is_shown_by_responses(
+    search: &Search,
+    set: &MistakeSet,
+    misreading: &Misreading,
+    explained: &[usize],
+) -> bool {
+    let agreement = |w: &usize| search.agreement(*w, set);
+    let are_all = |expected: Agreement| explained.iter().all(|w| agreement(w) == expected);
+    match misreading.symptom {
+        Symptom::Refusals if are_all(Agreement::Refusal) => true,
+        Symptom::Acceptances if are_all(Agreement::TwinImage) => true,
+        _ => explained.iter().any(|w| agreement(w) == Agreement::Image),
+    }
+}
+
+/// *"Would look the same" is said only after the outputs for all these files have been compared.*
+///
+/// Returns true if decoders with `other` and with `id` give the same answers to the cases in `explained`, whole images included.
+pub(super) fn looks_the_same(
+    search: &Search,
+    set: &MistakeSet,
+    [id, other]: [MistakeId; 2],
+    explained: &[usize],
+) -> bool {
+    let rest = without_id(set, id);
+    let [with, instead] = [id, other].map(|id| [&rest[..], &[id]].concat());
+    let mut explained = explained.iter();
+    explained.all(|&w| !search.answers_differ(w, &with, &instead))
+}
+
+/// *The example is the first failure below the cause.*
+///
+/// Sorts failures for a report: stored and final values before colors, and small files first.
+pub(super) fn sort_smallest_first(witnesses: &[Witness], cases: &mut [usize]) {
+    cases.sort_by_key(|&w| (witnesses[w].is_rgb(), witnesses[w].built.file.len()));
+}
+
+/// *The clause of a description is one that all its files test.*
+///
+/// Returns `preferred` if all of these cases test it, or else the first clause that all of them test, if any.
+pub(super) fn common_clause<'a>(
+    witnesses: &'a [Witness],
+    cases: &[usize],
+    preferred: Option<&'a str>,
+) -> Option<&'a str> {
+    let clauses = |w: usize| witnesses[w].case.clauses.iter().map(String::as_str);
+    let is_common = |clause: &&str| {
+        let tests = |&w: &usize| clauses(w).any(|other| other == *clause);
+        cases.iter().all(tests)
+    };
+    let mut first = clauses(*cases.first()?);
+    preferred
+        .filter(is_common)
+        .or_else(|| first.find(is_common))
+}

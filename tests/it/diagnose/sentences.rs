@@ -1,0 +1,1207 @@
+//! Tests that every sentence that is printed about a small wrong decoder is true, and that its mistakes are told apart.
+//!
+//! Each decoder makes one or two known mistakes. Its author could refute the sentences that the tests forbid.
+
+use std::cell::RefCell;
+use std::sync::OnceLock;
+use std::time::Duration;
+
+use ptm::decode::{decode_as, examine_as, planes, predict};
+use ptm::error::Class;
+use ptm::parts::{Coded, PlaneStream, Record};
+use ptm::{Coding, Format, Limits, Planes, Ptm, Reading, ScaleBias, Shape, Size, evaluate};
+use ptm_conform::report::text::report_to_text;
+use ptm_harness::diagnose::{diagnose, equal_up_to_rounding};
+use ptm_harness::pipeline::judge_answers;
+use ptm_harness::report::document::{LikelyCause, Report};
+use ptm_harness::report::suite_texts::SuiteTexts;
+use ptm_harness::session::plan::RunPlan;
+use ptm_harness::session::run::Run;
+use ptm_mistakes::Misreading;
+use ptm_mistakes::formula::{Edit, Formula};
+use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::choices::CHOICES;
+use ptm_suite::compare::Expected;
+use ptm_suite::protocol::frame::{Answer, Frame, Samples, TimeLimit, View, ViewKind};
+use ptm_suite::protocol::request::{Reply, Request};
+use ptm_suite::verdicts::outcome::Outcome;
+
+use crate::in_process::{
+    answer_with, formula_misreading, jobs, misreading, reference_answer, suite_of_small_files,
+};
+
+/// A cause as the report prints it.
+struct PrintedCause {
+    cause: LikelyCause,
+    /// The sentences about the cause, without the failures that are printed below them.
+    sentences: String,
+    /// The failures below the sentences.
+    failures: String,
+}
+
+/// The printed report on a decoder, and what is wrong with it.
+struct PrintedReport {
+    text: String,
+    causes: Vec<PrintedCause>,
+    problems: Vec<String>,
+}
+
+/// Returns the cases of small files that satisfy `is_needed`, and those that are requested first.
+fn cases(is_needed: impl Fn(&Case) -> bool) -> Suite {
+    static SUITE: OnceLock<Suite> = OnceLock::new();
+    let mut suite = SUITE.get_or_init(suite_of_small_files).clone();
+    suite.cases.retain(|case| case.first || is_needed(case));
+    suite
+}
+
+/// Returns the cases of small files that satisfy `is_needed`.
+fn only(is_needed: impl Fn(&Case) -> bool) -> Suite {
+    let mut suite = cases(|_| true);
+    suite.cases.retain(is_needed);
+    suite
+}
+
+fn is_uncompressed(case: &Case) -> bool {
+    case.format().coding().is_none()
+}
+
+fn is_compressed(case: &Case) -> bool {
+    case.format().coding().is_some()
+}
+
+/// Runs the suite against a decoder, searches for causes, and prints them.
+///
+/// For any decoder, each failure must be listed under exactly one cause. A misreading that is named as a cause, or that "would look
+/// the same", must reproduce each response that is listed below it, and so must a formula. No failure is listed because it "may"
+/// have a cause.
+fn printed_report<R: Into<Reply>>(
+    suite: &Suite,
+    decoder: impl Fn(&Request) -> R + Sync,
+) -> PrintedReport {
+    let ask = |request: &Request<'_>, _: usize| -> Reply { decoder(request).into() };
+    let run = judge_answers(suite, &RunPlan::new(suite, jobs()), &ask);
+    let found = diagnose(suite, &run, &[], jobs());
+    let report = Report::new(suite, &run, &["decoder".to_owned()], Vec::new());
+    let report = report.with_diagnoses(suite, &found.diagnoses);
+    let texts = SuiteTexts::new(suite).expect("the texts can be read");
+    let causes = report.diagnoses.iter().map(|cause| {
+        let only = Report {
+            remarks: Vec::new(),
+            diagnoses: vec![cause.clone()],
+            ..report.clone()
+        };
+        let text = report_to_text(&only, &texts, 0);
+        let block = text.split("\n\n").next().unwrap_or_default();
+        let end = block.find("\n  FAIL ").unwrap_or(block.len());
+        PrintedCause {
+            cause: cause.clone(),
+            sentences: block[..end].to_owned(),
+            failures: block[end..].to_owned(),
+        }
+    });
+    let mut printed = PrintedReport {
+        text: report_to_text(&report, &texts, 0),
+        causes: causes.collect(),
+        problems: Vec::new(),
+    };
+    for cause in &printed.causes {
+        println!("{}{}", cause.sentences, cause.failures);
+    }
+    printed.check_failures_are_listed_once(suite, &run);
+    printed.check_misreadings_reproduce_responses(suite, &run, |request| {
+        decoder(request).into().answer
+    });
+    printed
+        .check_formulas_reproduce_responses(suite, &run, |request| decoder(request).into().answer);
+    printed.never_says("may have the same cause")
+}
+
+/// Returns every failing case that is listed under a cause.
+fn listed(cause: &LikelyCause) -> impl Iterator<Item = &String> {
+    cause.explains.iter()
+}
+
+impl PrintedReport {
+    fn check_failures_are_listed_once(&mut self, suite: &Suite, run: &Run) {
+        let failing = run.judgment.with_outcome(Outcome::Fail);
+        let mut failing: Vec<&String> = failing.map(|i| &suite.cases[i].id).collect();
+        failing.sort_unstable();
+        let mut all: Vec<&String> = self
+            .causes
+            .iter()
+            .flat_map(|one| listed(&one.cause))
+            .collect();
+        all.sort_unstable();
+        if run.not_a_decoder.is_none() && all != failing {
+            let (all, failing) = (all.len(), failing.len());
+            self.problems.push(format!(
+                "{all} failures are listed under causes, but {failing} cases fail"
+            ));
+        }
+    }
+
+    fn check_misreadings_reproduce_responses(
+        &mut self,
+        suite: &Suite,
+        run: &Run,
+        decoder: impl Fn(&Request) -> Answer,
+    ) {
+        let find = |slug: &String| ptm_mistakes::find(slug);
+        let causes = || self.causes.iter().map(|printed| &printed.cause);
+        let named = causes().flat_map(|cause| cause.misreading.iter().chain(&cause.accompanying));
+        let named: Vec<&Misreading> = named.filter_map(find).collect();
+        let mut problems = Vec::new();
+        for cause in causes() {
+            let claimed = cause.misreading.iter().chain(&cause.equivalents);
+            for misreading in claimed.filter_map(find) {
+                let mut sets = vec![vec![misreading]];
+                sets.extend(named.iter().map(|&other| vec![misreading, other]));
+                let is_refuted = |id: &&String| {
+                    let mut sets = sets.iter();
+                    !sets.any(|set| reproduces(set, id, suite, run, &decoder))
+                };
+                let refuted: Vec<&String> = listed(cause).filter(is_refuted).collect();
+                if let [first, ..] = refuted[..] {
+                    problems.push(format!(
+                        "a decoder that {} answers {} of these cases in another way, for example {first}",
+                        misreading.effect,
+                        refuted.len(),
+                    ));
+                }
+            }
+        }
+        self.problems.extend(problems);
+    }
+
+    /// A formula that "computes … as …" must reproduce each response that is listed below it, alone or with a named misreading.
+    fn check_formulas_reproduce_responses(
+        &mut self,
+        suite: &Suite,
+        run: &Run,
+        decoder: impl Fn(&Request) -> Answer,
+    ) {
+        let causes = self.causes.iter().map(|printed| &printed.cause);
+        let named = causes.clone().filter_map(|cause| cause.misreading.as_ref());
+        let named = named.filter_map(|slug| ptm_mistakes::find(slug));
+        let edited: Vec<Option<Misreading>> = causes.clone().map(edited_formula).collect();
+        let edits = edited.iter().flatten();
+        let all: Vec<&Misreading> = named.chain(edits).collect();
+        let mut problems = Vec::new();
+        for (cause, edited) in causes.zip(&edited) {
+            let Some(edited) = edited else { continue };
+            let sets = || {
+                let pairs = all.iter().map(|&other| vec![edited, other]);
+                std::iter::once(vec![edited]).chain(pairs)
+            };
+            let is_refuted =
+                |id: &&String| !sets().any(|set| reproduces(&set, id, suite, run, &decoder));
+            let refuted: Vec<&String> = listed(cause).filter(is_refuted).collect();
+            if let [first, ..] = refuted[..] {
+                problems.push(format!(
+                    "{} of these cases have other values, for example {first}: {}",
+                    refuted.len(),
+                    cause.effect
+                ));
+            }
+        }
+        self.problems.extend(problems);
+    }
+
+    /// Requires that no sentence contains `words`.
+    fn never_says(mut self, words: &str) -> PrintedReport {
+        let sentences = self.causes.iter().map(|one| &one.sentences);
+        let made = sentences.filter(|text| text.contains(words));
+        self.problems
+            .extend(made.map(|text| format!("\"{words}\" is false or misleading: {text}")));
+        self
+    }
+
+    /// Requires that the sentences about one cause contain all of `parts`.
+    fn says(mut self, parts: &[&str]) -> PrintedReport {
+        let mut sentences = self.causes.iter().map(|one| &one.sentences);
+        if !sentences.any(|text| parts.iter().all(|part| text.contains(part))) {
+            self.problems.push(format!("no cause says {parts:?}"));
+        }
+        self
+    }
+
+    /// Requires at most this number of causes.
+    fn has_at_most(self, count: usize) -> PrintedReport {
+        let count = count.min(self.causes.len());
+        self.has_causes(count)
+    }
+
+    /// Requires this number of causes.
+    fn has_causes(mut self, count: usize) -> PrintedReport {
+        if self.causes.len() != count {
+            let causes = self
+                .causes
+                .iter()
+                .map(|one| format!("\n  {}", one.cause.effect));
+            let causes: String = causes.collect();
+            self.problems
+                .push(format!("expected {count} causes: {causes}"));
+        }
+        self
+    }
+
+    /// Requires that each clause that is printed is tested by every case listed under the cause.
+    fn cites_tested_clauses_only(mut self, suite: &Suite) -> PrintedReport {
+        let clauses = |id: &String| {
+            let mut cases = suite.cases.iter();
+            &cases.find(|case| case.id == *id).expect("a case").clauses
+        };
+        for cause in self.causes.iter().map(|printed| &printed.cause) {
+            let Some(clause) = &cause.clause else {
+                continue;
+            };
+            let untested = listed(cause)
+                .filter(|id| !clauses(id).contains(clause))
+                .count();
+            if cause.misreading.is_none() && untested > 0 {
+                self.problems.push(format!(
+                    "{untested} of the cases do not test clause {clause}: {}",
+                    cause.effect
+                ));
+            }
+        }
+        self
+    }
+
+    #[track_caller]
+    fn assert_true(self) {
+        assert_all_true([self]);
+    }
+}
+
+/// Fails if there is a problem with any of the reports, and lists the problems of all.
+#[track_caller]
+fn assert_all_true(reports: impl IntoIterator<Item = PrintedReport>) {
+    let problems = reports.into_iter().flat_map(|report| report.problems);
+    let problems: Vec<String> = problems.collect();
+    assert!(problems.is_empty(), "\n{}", problems.join("\n"));
+}
+
+/// Returns the mistake of a cause that "computes … as …", unless it applies only to some channels.
+fn edited_formula(cause: &LikelyCause) -> Option<Misreading> {
+    let (value, rest) = cause.effect.strip_prefix("computes ")?.split_once(" as ")?;
+    let (expression, rest) = rest.split_once(" instead of ")?;
+    if rest.contains(", only in ") && !rest.contains(", only in files ") {
+        return None;
+    }
+    let mut formulas = Formula::ALL.into_iter();
+    let (_, name) = formulas.find(|(formula, _)| formula.stated().result == value)?;
+    let edit = Edit::parse(name, expression).ok()?;
+    Some(formula_misreading(vec![edit]))
+}
+
+/// Returns true if a decoder with these mistakes, in the reading of the reference or in that of the decoder, answers a case as the
+/// decoder does.
+fn reproduces(
+    mistakes: &[&Misreading],
+    id: &str,
+    suite: &Suite,
+    run: &Run,
+    decoder: &impl Fn(&Request) -> Answer,
+) -> bool {
+    let i = suite.cases.iter().position(|case| case.id == id);
+    let i = i.expect("a listed case is in the suite");
+    let Some(observation) = &run.observations[i] else {
+        return true;
+    };
+    let (view, built) = (&observation.view, suite.cases[i].build(run.table));
+    let answer = decoder(&Request::new(id, view, &built.file, 1 << 24));
+    let dialect = CHOICES.apply(&run.judgment.dialect, Reading::SPEC);
+    let mut readings = [Reading::SPEC, dialect].into_iter();
+    readings.any(|reading| {
+        let made = ptm_mistakes::answer(mistakes, reading, &built.file, view);
+        is_reproduced_by(&answer, &made)
+    })
+}
+
+/// Returns true if an answer of a decoder equals the answer that mistakes produce, up to the tolerance for the view. A refusal
+/// reproduces any failure without an image.
+fn is_reproduced_by(answer: &Answer, made: &Answer) -> bool {
+    match (answer, made) {
+        (Answer::Decoded(received), Answer::Decoded(made)) => {
+            equal_up_to_rounding(received, made)
+                || Expected::from_frame(made).compare(received).is_none()
+        }
+        (Answer::Decoded(_), _) | (_, Answer::Decoded(_)) => false,
+        (_, Answer::Rejected | Answer::Unsupported) => true,
+        _ => false,
+    }
+}
+
+// Parts of decoders
+
+/// Returns the file with other texts in the header fields with one of these clauses. `spell` returns the new text of a field, or
+/// `None` to keep it.
+fn respelled(file: &[u8], clauses: &[&str], spell: impl Fn(&str) -> Option<String>) -> Vec<u8> {
+    let mut file = file.to_vec();
+    loop {
+        let (fields, _) = examine_as(&file, &Reading::SPEC);
+        let mut fields = fields.into_iter();
+        let change = fields.find_map(|field| {
+            let old = std::str::from_utf8(&file[field.range.clone()]).ok()?;
+            let new = spell(old).filter(|_| clauses.contains(&field.clause))?;
+            (new != old).then_some((field.range, new))
+        });
+        let Some((range, text)) = change else {
+            return file;
+        };
+        file.splice(range, text.into_bytes());
+    }
+}
+
+/// Clauses of scales, biases and matrix elements.
+const NUMBERS: &[&str] = &["2.4/3", "2.4/4", "2.6/2"];
+
+/// Returns the texts of the header fields with one of these clauses.
+fn field_texts(file: &[u8], clauses: &[&str]) -> Vec<String> {
+    let (fields, _) = examine_as(file, &Reading::SPEC);
+    let selected = fields
+        .iter()
+        .filter(|field| clauses.contains(&field.clause));
+    selected
+        .map(|field| String::from_utf8_lossy(&file[field.range.clone()]).into_owned())
+        .collect()
+}
+
+/// Returns the answer of a decoder that makes its decisions as in `reading`.
+fn answer_in(reading: Reading, request: &Request) -> Answer {
+    ptm_mistakes::answer(&[], reading, request.file, request.view)
+}
+
+/// Decodes a file, changes the map, and renders it.
+fn answer_with_map(file: &[u8], view: &View, change: impl Fn(&mut Ptm)) -> Answer {
+    match decode_as(file, &Reading::SPEC, &Limits::default()) {
+        Ok(mut ptm) => {
+            change(&mut ptm);
+            Answer::Decoded(Frame::render(&ptm, view))
+        }
+        Err(error) if error.class() == Class::Malformed => Answer::Rejected,
+        Err(_) => Answer::Unsupported,
+    }
+}
+
+/// Returns the size of the map in a correct image.
+fn size_in(answer: &Answer) -> Option<(u32, u32)> {
+    match answer {
+        Answer::Decoded(frame) => Some((frame.width, frame.height)),
+        _ => None,
+    }
+}
+
+// Statements about acceptances
+
+/// The decoder accepts any version, and leaves all colors 0 in files of other versions.
+#[test]
+fn an_acceptance_with_another_image_does_not_look_the_same() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| {
+        let file = respelled(request.file, &["2.1/1"], |text| {
+            text.starts_with("PTM_").then(|| "PTM_1.2".to_owned())
+        });
+        let is_other_version = file != request.file;
+        answer_with_map(&file, request.view, |ptm| {
+            if !is_other_version {
+                return;
+            }
+            let channels = ptm.planes.shape.channels();
+            let coefficients = ptm.planes.shape.coefficients();
+            let kept = if coefficients == channels {
+                0
+            } else {
+                coefficients
+            };
+            for texel in ptm.planes.samples.chunks_exact_mut(channels) {
+                texel[kept..].fill(0);
+            }
+        })
+    })
+    .never_says("reads any version as 1.2")
+    .never_says("reads every PTM_1.x version as 1.2")
+    .says(&["accepts"])
+    .has_at_most(2)
+    .assert_true();
+}
+
+/// The decoder takes missing bytes as 255.
+#[test]
+fn padding_with_another_byte_does_not_look_the_same() {
+    let has_plain_texels =
+        |case: &Case| matches!(case.format(), Format::Rgb | Format::Lrgb | Format::Lum);
+    let mut reports = Vec::new();
+    for suite in [
+        cases(|_| true),
+        cases(is_uncompressed),
+        only(has_plain_texels),
+    ] {
+        let report = printed_report(&suite, |request| match reference_answer(request) {
+            Answer::Rejected => {
+                let padding = vec![255; request.file.len() + 4096];
+                let padded = [request.file, &padding].concat();
+                ptm_mistakes::answer(&[], Reading::SPEC, &padded, request.view)
+            }
+            answer => answer,
+        })
+        .never_says("as zeros")
+        .never_says("substitutes zeros")
+        .says(&["accepts"]);
+        reports.push(report);
+    }
+    assert_all_true(reports);
+}
+
+/// Reads positions low byte first. Ignores records outside the plane.
+fn little_endian_records(block: &[u8], at: usize, texels: usize) -> ptm::Result<Vec<Record>> {
+    let all = checked_little_endian_records(block, at, usize::MAX)?;
+    let records = all.into_iter();
+    Ok(records
+        .filter(|&(position, _)| (position as usize) < texels)
+        .collect())
+}
+
+/// Reads positions low byte first. Refuses records outside the plane.
+fn checked_little_endian_records(
+    block: &[u8],
+    at: usize,
+    texels: usize,
+) -> ptm::Result<Vec<Record>> {
+    let swap = |record: &[u8]| [record[3], record[2], record[1], record[0], record[4]];
+    let mut swapped: Vec<u8> = block.chunks_exact(5).flat_map(swap).collect();
+    swapped.extend_from_slice(block.chunks_exact(5).remainder());
+    planes::parse_records(&swapped, at, texels)
+}
+
+#[test]
+fn another_order_of_position_bytes_does_not_look_the_same() {
+    let suite = cases(is_compressed);
+    let mut reports = Vec::new();
+    let decoders: [(fn(&[u8], usize, usize) -> ptm::Result<Vec<Record>>, &str); 2] = [
+        (little_endian_records, "reads positions low byte first"),
+        (checked_little_endian_records, "with side information"),
+    ];
+    for (records, words) in decoders {
+        let reading = Reading {
+            records,
+            ..Reading::SPEC
+        };
+        let report = printed_report(&suite, |request| answer_in(reading, request))
+            .never_says("two 16-bit words")
+            .says(&[words]);
+        reports.push(report);
+    }
+    assert_all_true(reports);
+}
+
+/// Spelling of a number that stands for a value that is not a number.
+const UNKNOWN_SCALE: &str = "1e77";
+const UNKNOWN_BIAS: &str = "1000000000000077";
+
+/// The decoder takes any word that is not a number as NaN, as `parseFloat` without a check does.
+#[test]
+fn one_number_parser_is_one_cause_without_a_mechanism() {
+    let suite = cases(is_uncompressed);
+    let is_known = |text: &str| {
+        let is_decimal = |byte: u8| byte.is_ascii_digit() || b"+-.eE".contains(&byte);
+        text.bytes().all(is_decimal) && text.parse::<f64>().is_ok_and(f64::is_finite)
+    };
+    printed_report(&suite, |request| {
+        let unknown = |text: &str, stand_in: &str| (!is_known(text)).then(|| stand_in.to_owned());
+        let file = respelled(request.file, &["2.4/3", "2.6/2"], |text| {
+            unknown(text, UNKNOWN_SCALE)
+        });
+        let file = respelled(&file, &["2.4/4"], |text| unknown(text, UNKNOWN_BIAS));
+        let file = respelled(&file, &["2.4/3", "2.6/2"], |text| {
+            unknown(text, UNKNOWN_SCALE)
+        });
+        answer_with_map(&file, request.view, |ptm| {
+            let ScaleBias { scale, bias } = &mut ptm.header.scale_bias;
+            let mut values: Vec<&mut f64> = scale.iter_mut().chain(bias).collect();
+            if let Shape::Lum(matrix) = &mut ptm.planes.shape {
+                values.extend(&mut matrix.0);
+            }
+            for value in values {
+                if [1e77, 1_000_000_000_000_077.0].contains(value) {
+                    *value = f64::NAN;
+                }
+            }
+        })
+    })
+    .never_says("as strtod does")
+    .never_says("accepts inf and infinity as numbers")
+    .says(&["accepts"])
+    .has_at_most(2)
+    .assert_true();
+}
+
+// Statements about arithmetic
+
+fn rounded(value: f64) -> f64 {
+    value.round()
+}
+
+fn color_shifted_by_eight(luminance: f64, color: f64) -> f64 {
+    (luminance * color / 256.0).floor()
+}
+
+/// The decoder rounds the luminance to an integer, and shifts its product with the color by eight bits.
+#[test]
+fn a_formula_is_not_fitted_to_the_rest_of_another_cause() {
+    let suite = cases(is_uncompressed);
+    let reading = Reading {
+        luminance: rounded,
+        modulate: color_shifted_by_eight,
+        ..Reading::SPEC
+    };
+    printed_report(&suite, |request| answer_in(reading, request))
+        .never_says("+ 0.5")
+        .never_says("in files of PTM_LUT, PTM_C_LUT")
+        .never_says("in files of format PTM_LUT, PTM_C_LUT")
+        .says(&["256"])
+        .assert_true();
+}
+
+fn mean_rounded_to_odd(samples: [u8; 4]) -> u8 {
+    let sum: u16 = samples.into_iter().map(u16::from).sum();
+    let (mean, rest) = (sum >> 2, sum & 3);
+    (mean + u16::from(rest == 3 || rest == 2 && mean % 2 == 0)) as u8
+}
+
+fn mean_rounded_down_twice([a, b, c, d]: [u8; 4]) -> u8 {
+    let mean = |a: u8, b: u8| u8::midpoint(a, b);
+    mean(mean(a, b), mean(c, d))
+}
+
+fn mean_rounded_up_along_y_first([a, b, c, d]: [u8; 4]) -> u8 {
+    predict::mean_rounded_up_twice([a, c, b, d])
+}
+
+fn mean_rounded_down_and_up([a, b, c, d]: [u8; 4]) -> u8 {
+    let [a, b, c, d] = [a, b, c, d].map(u16::from);
+    ((((a + b) >> 1) + ((c + d) >> 1) + 1) >> 1) as u8
+}
+
+fn mean_rounded_up_and_down([a, b, c, d]: [u8; 4]) -> u8 {
+    let [a, b, c, d] = [a, b, c, d].map(u16::from);
+    ((((a + b + 1) >> 1) + ((c + d + 1) >> 1)) >> 1) as u8
+}
+
+/// The decoder follows one rounding of half-texel means, but none of the listed ones.
+#[test]
+fn a_rounding_that_is_not_listed_is_not_called_inconsistent() {
+    let suite = cases(is_compressed);
+    let mut reports = Vec::new();
+    for motion_half in [
+        mean_rounded_to_odd,
+        mean_rounded_down_twice,
+        mean_rounded_up_along_y_first,
+        mean_rounded_down_and_up,
+        mean_rounded_up_and_down,
+    ] {
+        let reading = Reading {
+            motion_half,
+            ..Reading::SPEC
+        };
+        let report = printed_report(&suite, |request| answer_in(reading, request))
+            .never_says("a different reading of an open question than in its other images")
+            .never_says("follow one reading of the question in all files")
+            .says(&["predicted planes"]);
+        reports.push(report);
+    }
+    assert_all_true(reports);
+}
+
+/// The message about a failure is printed as well.
+#[test]
+fn a_rounding_that_is_not_listed_does_not_mix_readings() {
+    let suite = cases(is_compressed);
+    let reading = Reading {
+        motion_half: mean_rounded_to_odd,
+        ..Reading::SPEC
+    };
+    let mut report = printed_report(&suite, |request| answer_in(reading, request));
+    for cause in &report.causes {
+        if cause.failures.contains("mixes readings") {
+            let why = format!("the decoder mixes no readings:{}", cause.failures);
+            report.problems.push(why);
+        }
+    }
+    report.assert_true();
+}
+
+/// Rounds to the eleven significant bits of a half-precision float.
+fn half(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let step = f64::powf(2.0, value.abs().log2().floor().max(-14.0) - 10.0);
+    (value / step).round_ties_even() * step
+}
+
+fn half_final_coefficient(raw: u8, channel: usize, set: &ScaleBias) -> f64 {
+    half(half(evaluate::final_coefficient(raw, channel, set)))
+}
+
+fn half_polynomial(a: &[f64], u: f64, v: f64) -> f64 {
+    let (u, v) = (half(u), half(v));
+    let powers = [half(u * u), half(v * v), half(u * v), u, v, 1.0];
+    let add = |sum: f64, (a, power): (&f64, f64)| half(sum + half(half(*a) * power));
+    a.iter().zip(powers).fold(0.0, add)
+}
+
+fn half_modulate(luminance: f64, color: f64) -> f64 {
+    half(half(luminance / 255.0) * half(color))
+}
+
+fn truncated_color(value: f64) -> f64 {
+    half(value).clamp(0.0, 255.0).floor()
+}
+
+/// The decoder computes colors with half-precision floats and truncates them. It has no other view.
+#[test]
+fn low_precision_is_not_a_formula() {
+    let suite = cases(is_uncompressed);
+    let reading = Reading {
+        final_coefficient: half_final_coefficient,
+        polynomial: half_polynomial,
+        modulate: half_modulate,
+        clamp: truncated_color,
+        ..Reading::SPEC
+    };
+    printed_report(&suite, |request| match request.view {
+        View::Rgb(_) => answer_in(reading, request),
+        _ => Answer::Unsupported,
+    })
+    .never_says("computes a color as")
+    .never_says("truncate(")
+    .never_says("255 / 256")
+    .never_says("by 256")
+    .assert_true();
+}
+
+/// Moves two samples of a JPEG plane of more than 50 samples: one within the tolerance, and one beyond it.
+fn stream_with_two_moved_samples(stream: &PlaneStream) -> ptm::Result<Vec<u8>> {
+    let mut samples = planes::decode_stream(stream)?;
+    if stream.coding == Coding::Jpeg && samples.len() > 50 {
+        for (i, step) in [(2, 1), (45, 3)] {
+            let sample = &mut samples[i];
+            *sample = if *sample < 128 {
+                *sample + step
+            } else {
+                *sample - step
+            };
+        }
+    }
+    Ok(samples)
+}
+
+/// Returns the received and the expected value in an example.
+fn example_values(sentences: &str) -> Option<(f64, f64)> {
+    let (_, values) = sentences.split_once("received ")?;
+    let (received, rest) = values.split_once(", expected ")?;
+    let end = rest.find(|c: char| !c.is_ascii_digit() && !"−-.".contains(c));
+    let expected = &rest[..end.unwrap_or(rest.len())];
+    Some((
+        received.parse().ok()?,
+        expected.trim_end_matches('.').parse().ok()?,
+    ))
+}
+
+/// Returns true if correct inverse DCTs may differ by one in every sample of the file.
+fn has_tolerance(case: &Case) -> bool {
+    let values = &case.build(TableSpelling::default()).values;
+    let expected = Expected::new(values, &View::Raw);
+    expected.is_some_and(|expected| {
+        !expected.slack.is_empty() && expected.slack.iter().all(|&slack| slack >= 1.0)
+    })
+}
+
+#[test]
+fn the_sample_of_an_example_is_wrong_beyond_the_tolerance() {
+    let suite = cases(|case| case.format().coding() == Some(Coding::Jpeg) && has_tolerance(case));
+    let reading = Reading {
+        stream: stream_with_two_moved_samples,
+        ..Reading::SPEC
+    };
+    let mut report = printed_report(&suite, |request| answer_in(reading, request));
+    for cause in &report.causes {
+        let is_within = |(received, expected): (f64, f64)| (received - expected).abs() <= 1.0;
+        let is_raw = cause.failures.contains("\n    raw: ");
+        if is_raw && example_values(&cause.sentences).is_some_and(is_within) {
+            report.problems.push(format!(
+                "the difference in the example is allowed: {}",
+                cause.sentences
+            ));
+        }
+    }
+    report.assert_true();
+}
+
+/// The example is about the first failure that is printed below it.
+#[test]
+fn an_example_is_a_failure_that_is_printed() {
+    let suite = cases(|case| case.format().coding() == Some(Coding::Jpeg));
+    let reading = Reading {
+        stream: stream_with_two_moved_samples,
+        ..Reading::SPEC
+    };
+    let mut report = printed_report(&suite, |request| answer_in(reading, request));
+    for cause in &report.causes {
+        let first = cause.failures.split_whitespace().nth(1).unwrap_or_default();
+        let example = cause.cause.example.as_deref();
+        if example.is_some_and(|example| !example.starts_with(&format!("for example {first}"))) {
+            report.problems.push(format!(
+                "the failure {first} is printed below {}",
+                cause.sentences
+            ));
+        }
+    }
+    report.assert_true();
+}
+
+// The number of causes
+
+/// The decoder truncates final coefficients, and clamps the sums of residuals and references.
+#[test]
+fn a_second_mistake_is_a_cause_of_its_own() {
+    let suite = cases(|_| true);
+    let mistakes = ["coefficient-truncated", "clamp-not-wrap"].map(misreading);
+    let mut reports = Vec::new();
+    for views in [&ViewKind::ALL[..], &[ViewKind::Rgb], &[ViewKind::Coef]] {
+        let report = printed_report(&suite, |request| {
+            match views.contains(&request.view.kind()) {
+                true => answer_with(&mistakes, request),
+                false => Answer::Unsupported,
+            }
+        });
+        let second = "clamps sums to 0…255";
+        let is_second = |one: &PrintedCause| {
+            one.cause.misreading.as_deref() == Some("clamp-not-wrap")
+                || one.cause.effect.contains(second)
+                || one.cause.effect.contains("predicted planes")
+        };
+        let is_named = report.causes.iter().any(is_second);
+        let mut report = report.says(&["truncates final coefficients"]);
+        if !is_named {
+            report.problems.push(format!("no cause \"{second}\""));
+        }
+        reports.push(report);
+    }
+    assert_all_true(reports);
+}
+
+thread_local! {
+    /// The sums of residuals and references of the map that was decoded last, without modular arithmetic.
+    static SUMS: RefCell<Vec<Vec<f64>>> = const { RefCell::new(Vec::new()) };
+}
+
+/// Keeps the sums of residuals and predictors in addition to the planes.
+fn reconstruct_and_keep_sums(
+    coded: &Coded,
+    residuals: Vec<Vec<u8>>,
+    reading: &Reading,
+) -> ptm::Result<Vec<Vec<u8>>> {
+    let streams = residuals.clone();
+    let planes = planes::reconstruct(coded, residuals, reading)?;
+    let mut sums = vec![Vec::new(); planes.len()];
+    for (&i, residual) in coded.plan.sequence.iter().zip(&streams) {
+        let step = &coded.plan.steps[i];
+        sums[i] = planes[i].iter().copied().map(f64::from).collect();
+        let Some(reference) = step.reference else {
+            continue;
+        };
+        let predictor = (reading.predictor)(&planes[reference], step, coded.size, reading);
+        for (t, sum) in sums[i].iter_mut().enumerate() {
+            let exact = f64::from(residual[t]) + f64::from(predictor[t]) - 128.0;
+            // Corrected texels keep their values.
+            if (exact - *sum) % 256.0 == 0.0 {
+                *sum = exact;
+            }
+        }
+    }
+    SUMS.set(sums);
+    Ok(planes)
+}
+
+/// Computes final coefficients from the sums, and truncates them.
+fn truncated_finals_of_sums(set: &ScaleBias, planes: &Planes, _: &Reading) -> Vec<f64> {
+    let Size { width, height } = planes.size;
+    let coefficients = planes.shape.coefficients();
+    let sums = SUMS.take();
+    let mut finals = Vec::new();
+    for (t, texel) in planes.texels().enumerate() {
+        let (x, y) = (t % width as usize, t / width as usize);
+        let stored = (height as usize - 1 - y) * width as usize + x;
+        for (channel, &raw) in texel.iter().enumerate() {
+            let raw = sums
+                .get(channel)
+                .map_or(f64::from(raw), |plane| plane[stored]);
+            finals.push(match channel < coefficients {
+                true => ((raw - set.bias[channel % 6]) * set.scale[channel % 6]).trunc(),
+                false => raw,
+            });
+        }
+    }
+    finals
+}
+
+/// The decoder truncates final coefficients, and does not wrap the sums of residuals and references.
+#[test]
+fn a_second_mistake_without_a_name_is_a_cause_of_its_own() {
+    let suite = cases(|_| true);
+    let reading = Reading {
+        reconstruct: reconstruct_and_keep_sums,
+        finals: truncated_finals_of_sums,
+        ..Reading::SPEC
+    };
+    let mut reports = Vec::new();
+    for views in [&[ViewKind::Rgb][..], &[ViewKind::Coef, ViewKind::Rgb]] {
+        let report = printed_report(&suite, |request| {
+            SUMS.take();
+            match views.contains(&request.view.kind()) {
+                true => answer_in(reading, request),
+                false => Answer::Unsupported,
+            }
+        })
+        .says(&["truncates final coefficients"])
+        .says(&["predicted planes"]);
+        reports.push(report);
+    }
+    assert_all_true(reports);
+}
+
+/// Two mistakes, each of which shows in every case that can show it.
+#[test]
+fn a_mistake_that_always_shows_does_not_show_in_some_cases() {
+    let pairs = [
+        ["coefficient-truncated", "side-rows-turned"],
+        ["clamp-not-wrap", "side-rows-turned"],
+    ];
+    let suite = cases(|_| true);
+    let mut reports = Vec::new();
+    for pair in pairs {
+        let mistakes = pair.map(misreading);
+        println!("{pair:?}");
+        let report = printed_report(&suite, |request| answer_with(&mistakes, request))
+            .never_says("In some of these cases")
+            .says(&[mistakes[0].effect])
+            .says(&[mistakes[1].effect])
+            .has_causes(2);
+        reports.push(report);
+    }
+    assert_all_true(reports);
+}
+
+/// The decoder cannot read exponents. It hangs, crashes or refuses the file.
+#[test]
+fn one_mistake_with_three_symptoms_is_one_cause() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| {
+        let numbers = field_texts(request.file, NUMBERS).join(" ");
+        match reference_answer(request) {
+            Answer::Decoded(_) if numbers.contains('E') => Answer::Rejected,
+            Answer::Decoded(_) if numbers.contains("e-") => {
+                Answer::Crashed("killed by signal 11".to_owned())
+            }
+            Answer::Decoded(_) if numbers.contains('e') => {
+                Answer::TimedOut(TimeLimit(Duration::from_secs(10)))
+            }
+            answer => answer,
+        }
+    })
+    .never_says("the cause is unknown")
+    .says(&["with a number in scientific notation"])
+    .has_causes(1)
+    .assert_true();
+}
+
+/// Reads the rows of a decoded map as if their lengths were padded to multiples of eight texels.
+fn with_row_stride(ptm: &mut Ptm) {
+    let Planes {
+        size: Size { width, .. },
+        shape,
+        ref mut samples,
+    } = ptm.planes;
+    let (row, channels) = (width as usize * shape.channels(), shape.channels());
+    let stride = (width as usize).next_multiple_of(8) * channels;
+    let old = samples.clone();
+    for (y, new) in samples.chunks_exact_mut(row).enumerate() {
+        for (x, sample) in new.iter_mut().enumerate() {
+            *sample = old.get(y * stride + x).copied().unwrap_or_default();
+        }
+    }
+}
+
+#[test]
+fn one_row_stride_in_all_formats_is_one_cause() {
+    let suite = cases(|_| true);
+    printed_report(&suite, |request| {
+        answer_with_map(request.file, request.view, with_row_stride)
+    })
+    .has_causes(1)
+    .assert_true();
+}
+
+/// The decoder shows the top row twice, instead of the second one.
+#[test]
+fn one_mistake_in_all_formats_is_one_cause() {
+    let suite = cases(|_| true);
+    printed_report(&suite, |request| {
+        answer_with_map(request.file, request.view, |ptm| {
+            let row = ptm.planes.size.width as usize * ptm.planes.shape.channels();
+            if ptm.planes.size.height > 1 {
+                ptm.planes.samples.copy_within(..row, row);
+            }
+        })
+    })
+    .has_causes(1)
+    .assert_true();
+}
+
+/// Returns true if a JPEG stream in the file has one component with the sampling factors 3×2.
+fn has_sampling_factors(file: &[u8]) -> bool {
+    // SOF0 or SOF1, length 11, precision 8, height, width, one component, its id, and its sampling factors.
+    file.windows(12).any(|bytes| {
+        matches!(bytes[..5], [0xff, 0xc0 | 0xc1, 0, 11, 8]) && bytes[9] == 1 && bytes[11] == 0x32
+    })
+}
+
+/// The decoder refuses the sampling factors 3×2, and sides above 16,384. Its messages differ.
+#[test]
+fn refusals_with_different_messages_are_different_causes() {
+    let decoder = |request: &Request| {
+        let refusal = |message: &str| Reply {
+            stderr: format!("{message}\n"),
+            ..Answer::Rejected.into()
+        };
+        let answer = reference_answer(request);
+        let side = size_in(&answer).map_or(0, |(width, height)| width.max(height));
+        match answer {
+            Answer::Decoded(_) if has_sampling_factors(request.file) => {
+                refusal("error: unsupported sampling factors")
+            }
+            Answer::Decoded(_) if side > 16_384 => refusal("error: image is too large"),
+            answer => answer.into(),
+        }
+    };
+    // In the second suite, only one map is so large.
+    let mut suites = [
+        cases(|_| true),
+        cases(|case| case.format().coding() == Some(Coding::Jpeg)),
+    ];
+    let large = cases(|_| true)
+        .cases
+        .into_iter()
+        .find(|case| case.id.contains("20000x1"));
+    suites[1]
+        .cases
+        .push(large.expect("a case with a large side"));
+    assert_all_true(suites.map(|suite| {
+        printed_report(&suite, decoder)
+            .says(&["sampling factors"])
+            .says(&["image is too large"])
+            .has_causes(2)
+    }));
+}
+
+#[test]
+fn a_refusal_of_maps_of_one_row_cites_no_clause_that_the_files_do_not_test() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| match reference_answer(request) {
+        answer @ Answer::Decoded(_) if size_in(&answer).is_some_and(|(_, height)| height == 1) => {
+            Answer::Rejected
+        }
+        answer => answer,
+    })
+    .never_says("(clause 2.0/1)")
+    .cites_tested_clauses_only(&suite)
+    .says(&["of one row"])
+    .assert_true();
+}
+
+/// The decoder refuses files of fewer than 100 bytes.
+#[test]
+fn a_refusal_of_short_files_cites_no_clause_that_the_files_do_not_test() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| match reference_answer(request) {
+        Answer::Decoded(_) if request.file.len() < 100 => Answer::Rejected,
+        answer => answer,
+    })
+    .never_says("(clause 2.3/1)")
+    .cites_tested_clauses_only(&suite)
+    .says(&["bytes"])
+    .assert_true();
+}
+
+/// The decoder reads numbers with `atoi`, so scales below 1 are 0.
+#[test]
+fn black_images_belong_to_the_mistake_that_makes_them_black() {
+    let suite = cases(|case| matches!(case.format(), Format::Rgb | Format::Lrgb | Format::Lum));
+    let integer = |text: &str| {
+        let digits = text.trim_start_matches(['+', '-']);
+        let end = digits.find(|c: char| !c.is_ascii_digit());
+        let sign = if text.starts_with('-') { "-" } else { "" };
+        match &digits[..end.unwrap_or(digits.len())] {
+            "" => "0".to_owned(),
+            digits => format!("{sign}{digits}"),
+        }
+    };
+    let mut reports = Vec::new();
+    for (views, numbers) in [
+        (&ViewKind::ALL[..], NUMBERS),
+        (&[ViewKind::Rgb], &["2.4/3"]),
+    ] {
+        let report = printed_report(&suite, |request| match reference_answer(request) {
+            Answer::Decoded(_) if !views.contains(&request.view.kind()) => Answer::Unsupported,
+            Answer::Decoded(_) => {
+                let file = respelled(request.file, numbers, |text| Some(integer(text)));
+                ptm_mistakes::answer(&[], Reading::SPEC, &file, request.view)
+            }
+            answer => answer,
+        })
+        .never_says("in every sample")
+        .has_causes(1);
+        reports.push(report);
+    }
+    assert_all_true(reports);
+}
+
+// Vague words
+
+fn has_table(file: &[u8]) -> bool {
+    file.windows(3).take(40).any(|word| word == b"LUT")
+}
+
+/// Returns the frame with a fourth channel of 255.
+fn with_alpha(mut frame: Frame) -> Frame {
+    if let Samples::U8(samples) = &frame.samples {
+        let texels = samples.chunks_exact(3);
+        let rgba = texels.flat_map(|rgb| [rgb[0], rgb[1], rgb[2], 255]);
+        (frame.channels, frame.samples) = (4, Samples::U8(rgba.collect()));
+    }
+    frame
+}
+
+#[test]
+fn the_number_of_channels_is_named() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| match reference_answer(request) {
+        Answer::Decoded(frame) if has_table(request.file) && frame.view == ViewKind::Rgb => {
+            Answer::Decoded(with_alpha(frame))
+        }
+        answer => answer,
+    })
+    .never_says("or a different sample type")
+    .says(&["4 channels"])
+    .assert_true();
+}
+
+#[test]
+fn the_sample_type_is_named() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| match reference_answer(request) {
+        Answer::Decoded(mut frame) if has_table(request.file) && frame.view == ViewKind::Coef => {
+            if let Samples::F32(values) = &frame.samples {
+                let bytes = values.iter().map(|&value| value.round() as u8);
+                frame.samples = Samples::U8(bytes.collect());
+            }
+            Answer::Decoded(frame)
+        }
+        answer => answer,
+    })
+    .never_says("a different number of channels")
+    .says(&["u8", "f32"])
+    .assert_true();
+}
+
+#[test]
+fn a_malformed_frame_is_described_by_what_was_written() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| match reference_answer(request) {
+        Answer::Decoded(frame) if has_table(request.file) => {
+            let line = format!("PTM1 {} {} {}\n", frame.view, frame.width, frame.height);
+            let error = Frame::read(line.as_bytes()).expect_err("the line is too short");
+            Answer::ProtocolError(error.to_string())
+        }
+        answer => answer,
+    })
+    .never_says("(… is not …)")
+    .never_says("… is not")
+    .says(&["PTM1 VIEW WIDTH HEIGHT CHANNELS TYPE"])
+    .assert_true();
+}
+
+#[test]
+fn too_much_output_is_described_in_words() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| match reference_answer(request) {
+        Answer::Decoded(_) if has_table(request.file) => {
+            let limit = request.max_answer_bytes();
+            Answer::Flooded(format!("{} bytes exceed the limit of {limit}", limit + 1))
+        }
+        answer => answer,
+    })
+    .never_says("fails (flood)")
+    .says(&["output"])
+    .assert_true();
+}
+
+#[test]
+fn a_decoder_that_refuses_every_file_is_not_said_to_be_silent() {
+    let suite = cases(|_| false);
+    let report = printed_report(&suite, |_| Answer::Rejected);
+    println!("{}", report.text);
+    assert!(!report.text.contains("no output"), "{}", report.text);
+    assert!(report.text.contains("refuses"), "{}", report.text);
+    report.assert_true();
+}
+
+// The object of a statement
+
+/// Reads coefficients and colors as signed bytes.
+fn signed_finals(set: &ScaleBias, planes: &Planes, _: &Reading) -> Vec<f64> {
+    let coefficients = planes.shape.coefficients();
+    let final_values = |texel: &[u8]| -> Vec<f64> {
+        let channels = texel.iter().enumerate();
+        let value = |(channel, &raw): (usize, &u8)| match f64::from(raw.cast_signed()) {
+            raw if channel < coefficients => (raw - set.bias[channel % 6]) * set.scale[channel % 6],
+            raw => raw,
+        };
+        channels.map(value).collect()
+    };
+    planes.texels().flat_map(final_values).collect()
+}
+
+#[test]
+fn a_statement_about_colors_shows_a_color() {
+    let suite = cases(is_uncompressed);
+    let reading = Reading {
+        finals: signed_finals,
+        ..Reading::SPEC
+    };
+    let mut reports = Vec::new();
+    for views in [&ViewKind::ALL[..], &[ViewKind::Coef], &[ViewKind::Rgb]] {
+        let mut report = printed_report(&suite, |request| {
+            match views.contains(&request.view.kind()) {
+                true => answer_in(reading, request),
+                false => Answer::Unsupported,
+            }
+        });
+        for cause in &report.causes {
+            let example = cause.cause.example.as_deref().unwrap_or_default();
+            let is_about_colors = cause.sentences.contains("final R, G, B, Cr or Cb");
+            let coefficients = (0..6).map(|i| format!(", a{i}: received"));
+            if is_about_colors && coefficients.into_iter().any(|name| example.contains(&name)) {
+                report.problems.push(format!(
+                    "the example shows a coefficient: {}",
+                    cause.sentences
+                ));
+            }
+        }
+        reports.push(report);
+    }
+    assert_all_true(reports);
+}
