@@ -82,16 +82,9 @@ fn is_founded(
     left: &[usize],
 ) -> bool {
     rules::explains_most_of_what_it_changes(search, set, id, explained, left)
-        && !is_contradicted(search, &without_id(set, id), id)
+        && !search.is_contradicted_anywhere(&without_id(set, id), id)
         && !refusals::is_part_of_a_larger_group(search.witnesses, explained)
         && !refusals::is_single_among_others(search.witnesses, explained, left)
-}
-
-/// Returns true if any response, also to a large file, contradicts the mistake.
-fn is_contradicted(search: &Search, without: &MistakeSet, id: MistakeId) -> bool {
-    let all: Vec<usize> = (0..search.witnesses.len()).collect();
-    let contradicts = search.par_map(&all, |&w| search.is_contradicted(w, without, id));
-    contradicts.contains(&true)
 }
 
 fn describe_shares(
@@ -219,7 +212,7 @@ fn diagnose_member(
         .alternatives
         .iter()
         .filter(|&&other| rules::looks_the_same(search, set, [member.id, other], explained))
-        .filter(|&&other| !is_contradicted(search, &without_id(set, member.id), other))
+        .filter(|&&other| !search.is_contradicted_anywhere(&without_id(set, member.id), other))
         .filter_map(|&id| search.mistakes[id].unrestricted_misreading());
     let alike: Vec<&'static Misreading> = alike.collect();
     let is_unique = alike.iter().all(|other| other.clause == misreading.clause);

@@ -1,7 +1,7 @@
 //! Covers the failures: searches for a small set of mistakes that reproduces the decoder's responses.
 //!
 //! The set grows by one mistake at a time: the one that reproduces the most remaining failures, and that no response contradicts.
-//! If no single mistake reproduces enough failures, the set grows by a pair, at most once.
+//! If no single mistake reproduces any, or for the first time not enough, the set grows by a pair.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -70,6 +70,12 @@ pub(super) struct Effect {
 }
 
 impl Effect {
+    /// Returns the rank of an answer among several possible ones: the larger, the better it agrees with the response.
+    fn rank(&self) -> (bool, bool, usize) {
+        let is_neutral = self.agreement != Agreement::Contradiction;
+        (self.agreement.explains(), is_neutral, self.equal_samples)
+    }
+
     fn weight(&self) -> i64 {
         match self.agreement {
             Agreement::Image => IMAGE_WEIGHT,
@@ -304,13 +310,11 @@ impl<'a> Search<'a> {
     /// possible, returns the one that agrees best with the response.
     pub fn best_answer(&self, w: usize, set: &[MistakeId]) -> Cow<'_, Answer> {
         let mut answers = self.answers_of_variants(w, &self.visible_mistakes(w, set));
+        // `max_by_key` returns the last maximum, but the first answer is the one in the decoder's dialect.
         let best = (0..answers.len())
-            .max_by_key(|&i| {
-                let effect = self.compare(w, &answers[i]);
-                (effect.agreement.explains(), effect.equal_samples)
-            })
-            .unwrap_or(0);
-        answers.swap_remove(best)
+            .rev()
+            .max_by_key(|&i| self.compare(w, &answers[i]).rank());
+        answers.swap_remove(best.unwrap_or(0))
     }
 
     /// Returns true if `set` reproduces the response, possibly with mistakes that have an effect only in combination.
@@ -375,6 +379,9 @@ impl<'a> Search<'a> {
             Some(matching) => vec![Cow::Owned(matching)],
             None => vec![answer],
         };
+        if mistakes.is_empty() {
+            return answers;
+        }
         let unrestricted = mistakes.iter().map(|one| one.unrestricted_misreading());
         if let Some(misreadings) = unrestricted.collect::<Option<Vec<_>>>() {
             answers.extend(
@@ -389,14 +396,7 @@ impl<'a> Search<'a> {
     /// Returns the effect of the answer that agrees best with the response.
     fn best_effect(&self, w: usize, answers: &[Cow<Answer>]) -> Effect {
         let effects = answers.iter().map(|answer| self.compare(w, answer));
-        let best = effects.rev().max_by_key(|effect| {
-            let is_neutral = effect.agreement != Agreement::Contradiction;
-            (
-                effect.agreement.explains(),
-                is_neutral,
-                effect.equal_samples,
-            )
-        });
+        let best = effects.rev().max_by_key(Effect::rank);
         best.unwrap_or(self.no_effect(w))
     }
 
@@ -422,9 +422,12 @@ impl<'a> Search<'a> {
 
     /// Returns true if both mistakes edit the bytes of the file, or both change the same formula.
     fn order_matters(&self, a: MistakeId, b: MistakeId) -> bool {
+        self.edits_bytes(a) && self.edits_bytes(b) || self.change_same_formula(a, b)
+    }
+
+    fn change_same_formula(&self, a: MistakeId, b: MistakeId) -> bool {
         let [one, other] = [a, b].map(|id| self.mistakes[id].misreading.formulas());
-        self.edits_bytes(a) && self.edits_bytes(b)
-            || one.iter().any(|formula| other.contains(formula))
+        one.iter().any(|formula| other.contains(formula))
     }
 
     fn edits_bytes(&self, id: MistakeId) -> bool {
@@ -449,14 +452,9 @@ impl<'a> Search<'a> {
         let share_formats = Format::ALL
             .into_iter()
             .any(|format| one.affects(format) && other.affects(format));
-        let formulas = other.misreading.formulas();
-        let share_formula = || {
-            let mut own = one.misreading.formulas().into_iter();
-            own.any(|formula| formulas.contains(&formula))
-        };
         let make_same_decision =
             || changes_values(one) && changes_values(other) && !self.can_combine(a, b);
-        a != b && share_formats && (share_formula() || make_same_decision())
+        a != b && share_formats && (self.change_same_formula(a, b) || make_same_decision())
     }
 
     /// Returns true if the user interrupted the search. Results after an interrupt are meaningless.
@@ -598,7 +596,7 @@ impl<'a> Search<'a> {
         self.witnesses[w].can_explain(&self.mistakes[id])
     }
 
-    /// Returns the cases on which finalists are tried. Skips large maps unless only large maps are left.
+    /// Returns the cases on which finalists are tried, with small files first. Skips large maps unless only large maps are left.
     fn trial_cases(&self, left: &[usize]) -> Vec<usize> {
         let with_large = !left.is_empty() && left.iter().all(|&w| !self.is_small(w));
         let is_tried = |w: &usize| with_large || self.is_small(*w);
@@ -648,7 +646,13 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// Returns true if the response to one of these cases contradicts the mistake. Cases with small files come first.
+    /// Returns true if any response, also to a large file, contradicts the mistake.
+    pub fn is_contradicted_anywhere(&self, set: &[MistakeId], id: MistakeId) -> bool {
+        let all: Vec<usize> = (0..self.witnesses.len()).collect();
+        self.is_contradicted_in(&all, set, id)
+    }
+
+    /// Returns true if the response to one of these cases contradicts the mistake.
     fn is_contradicted_in(&self, tried: &[usize], set: &[MistakeId], id: MistakeId) -> bool {
         tried.iter().any(|&w| self.is_contradicted(w, set, id))
     }

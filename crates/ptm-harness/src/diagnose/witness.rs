@@ -392,8 +392,7 @@ impl Witness<'_> {
         matches!(&self.expected, Answer::Decoded(right) if equal_up_to_rounding(right, image))
     }
 
-    /// Returns true if `image` is wrong. A correct image, or one that is correct in the reference's reading, explains no failure,
-    /// even if it equals the response up to rounding.
+    /// Returns true if `image` is wrong. A correct image explains no failure, even if it equals the response up to rounding.
     fn is_wrong(&self, image: &Frame) -> bool {
         !matches!(self.expected, Answer::Decoded(_)) || self.would_fail(image)
     }
@@ -448,8 +447,7 @@ fn depends_on_dialect(case: &Case, built: &Built, observation: &Observation, run
 fn twin_image(suite: &Suite, run: &Run, case: &Case, observation: &Observation) -> Option<Frame> {
     observation.response.wrong_image()?;
     let twin = case.twin_of.as_ref().filter(|_| case.damage().is_some())?;
-    let twin = suite.cases.iter().find(|other| other.id == *twin)?;
-    let file = &twin.build(run.table).file;
+    let file = &suite.case(twin)?.build(run.table).file;
     match ptm_mistakes::answer(&[], dialect_reading(run), file, &observation.view) {
         Answer::Decoded(image) => Some(image),
         _ => None,

@@ -1,6 +1,6 @@
 //! Describes legal files that the decoder refused or crashed on.
 
-use super::{files_of_group, share_text};
+use super::{files_in_scope, share_text};
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::failure_mode::FailureMode;
 use crate::diagnose::groups::Group;
@@ -15,28 +15,21 @@ use ptm_suite::kit::last_message::quote_last_message;
 
 /// Describes a group of files without an image, which may include wrong images of files with the same property.
 pub(in crate::diagnose) fn describe(witnesses: &[Witness], group: &Group) -> Diagnosis {
-    let cases = &group.cases;
-    let effect = match (&group.shared, cases.len()) {
-        (Some(_), _) => outcomes_text(witnesses, cases, &files_of_group(witnesses, group)),
-        (None, 1) => outcomes_text(witnesses, cases, "a legal file; the cause is unknown"),
-        (None, count) if files_read(witnesses).len() < MIN_READ_FILES => {
-            let files = format!(
-                "{count} legal files; the decoder reads so few other files that no distinguishing property can be found"
-            );
-            outcomes_text(witnesses, cases, &files)
-        }
-        (None, _) => outcomes_text(witnesses, cases, &share_text(witnesses, cases)),
+    let count = group.cases.len();
+    if group.shared.is_some() {
+        return describe_group(witnesses, group, None, fix(witnesses, &group.cases));
+    }
+    let files = if count == 1 {
+        Some("a legal file; the cause is unknown".to_owned())
+    } else if files_read(witnesses).len() < MIN_READ_FILES {
+        Some(format!(
+            "{count} legal files; the decoder reads so few other files that no distinguishing property can be found"
+        ))
+    } else {
+        None
     };
-    let fix = match group.shared {
-        Some(_) => fix(witnesses, cases),
-        None => "start with the example, the smallest of these files".to_owned(),
-    };
-    let text = CauseText {
-        effect,
-        fix,
-        example: example(witnesses, cases),
-    };
-    Diagnosis::from_description(Category::Refusal, witnesses, cases, text, group.clause())
+    let fix = "start with the example, the smallest of these files".to_owned();
+    describe_group(witnesses, group, files, fix)
 }
 
 /// Describes files without an image that a decoder with a certain mistake would also refuse, by a property if only they have one.
@@ -48,13 +41,24 @@ pub(in crate::diagnose) fn describe_failures(witnesses: &[Witness], cases: &[usi
         cases: cases.to_vec(),
         shared: shared.filter(|shared| shared.cases.len() == cases.len()),
     };
-    let effect = match group.shared {
-        Some(_) => outcomes_text(witnesses, cases, &files_of_group(witnesses, &group)),
-        None => outcomes_text(witnesses, cases, &share_text(witnesses, cases)),
-    };
+    describe_group(witnesses, &group, None, fix(witnesses, cases))
+}
+
+/// Describes a group. `files` replaces the description of the files by their property or number.
+fn describe_group(
+    witnesses: &[Witness],
+    group: &Group,
+    files: Option<String>,
+    fix: String,
+) -> Diagnosis {
+    let cases = &group.cases;
+    let files = files.unwrap_or_else(|| match &group.shared {
+        Some(shared) => files_in_scope(witnesses, shared),
+        None => share_text(witnesses, cases),
+    });
     let text = CauseText {
-        effect,
-        fix: fix(witnesses, cases),
+        effect: outcomes_text(witnesses, cases, &files),
+        fix,
         example: example(witnesses, cases),
     };
     Diagnosis::from_description(Category::Refusal, witnesses, cases, text, group.clause())
