@@ -48,7 +48,7 @@ wrong-size | 1 | | 15 | received raw 1x1 with 1 channels
 crashes-on-malformed
   | 1 | | not judged | an empty file, and other malformed files: exit status 1 counts as a crash && use check --reject-exit 1 && to reproduce this:↵  $
 crashes-on-malformed | 0 | --reject-exit 1 | none | pass: 17 pass
-crashes-on-lum | 1 | | hand-lum hand-lum-in-color header-plain-lum | crashes (exit status 1) on 3 legal files
+crashes-on-lum | 1 | | hand-lum hand-lum-in-color header-plain-lum | ends with exit status 1 on 3 legal files
 differs-each-time | 1 | | 15 | two calls returned different responses: a wrong image
 upside-down | 1 | | none | raw, coef, rgb: the rows are upside down, in all of the first files
 blue-first | 1 | | none | rgb: red and blue are swapped (BGR), in all of the first files

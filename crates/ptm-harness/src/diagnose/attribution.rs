@@ -85,6 +85,15 @@ fn is_founded(
         && !search.is_contradicted_anywhere(&without_id(set, id), id)
         && !refusals::is_part_of_a_larger_group(search.witnesses, explained)
         && !refusals::is_single_among_others(search.witnesses, explained, left)
+        && (is_shown(search, set, id, explained)
+            || !rules::splits_failures_of_one_kind(search.witnesses, explained, left))
+}
+
+/// Returns true if the responses show how the decoder computes. An edit always reproduces images.
+fn is_shown(search: &Search, set: &MistakeSet, id: MistakeId, explained: &[usize]) -> bool {
+    let misreading = search.mistakes[id].unrestricted_misreading();
+    misreading
+        .is_none_or(|misreading| rules::is_shown_by_responses(search, set, misreading, explained))
 }
 
 fn describe_shares(
@@ -217,9 +226,7 @@ fn diagnose_member(
     let alike: Vec<&'static Misreading> = alike.collect();
     let is_unique = alike.iter().all(|other| other.clause == misreading.clause);
     let is_observation = misreading.symptom != Symptom::Values;
-    if !rules::is_shown_by_responses(search, set, misreading, explained)
-        || is_observation && !is_unique
-    {
+    if !is_shown(search, set, member.id, explained) || is_observation && !is_unique {
         let alike = [&[misreading], &alike[..]].concat();
         let is_accepted = |w: &usize| FailureMode::new(&witnesses[*w]).is_none();
         let (accepted, stopped): (Vec<usize>, Vec<usize>) =

@@ -147,11 +147,14 @@ fn generalize(error: &str) -> String {
 }
 
 impl fmt::Display for FailureMode {
-    /// Writes a verb phrase that takes the files as its object: "refuses", "crashes (exit status 1) on".
+    /// Writes a verb phrase that takes the files as its object: "refuses", "ends with exit status 1 on".
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             FailureMode::Refuses => f.write_str("refuses"),
             FailureMode::Unsupported => f.write_str("exits with 69 (unsupported) on"),
+            FailureMode::Crashes(end) if self.refusal_status().is_some() => {
+                write!(f, "ends with {end} on")
+            }
             FailureMode::Crashes(status) => write!(f, "crashes ({status}) on"),
             FailureMode::TimesOut(limit) => write!(f, "{limit} on"),
             FailureMode::MalformedFrame(error) => {

@@ -53,6 +53,10 @@ impl Step {
             Step::FinalValue => {
                 !matches!(witness.decoded(), Ok(ptm) if is_identity(&ptm.header.scale_bias))
             }
+            // A shape, or a reading of the whole file, shows in every image.
+            Step::Size | Step::Channels | Step::SampleType | Step::Choice | Step::NoReading => {
+                false
+            }
             _ => true,
         }
     }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeSet;
 
+use super::failure_mode::{FailureMode, message_form};
 use super::mistake::Mistake;
 use super::search::{Effect, MistakeId, MistakeSet, Search, without_id};
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all, is_substantial};
@@ -111,6 +112,29 @@ pub(super) fn is_shown_by_responses(
         Symptom::Acceptances if are_all(Agreement::TwinImage) => true,
         _ => explained.iter().any(|w| agreement(w) == Agreement::Image),
     }
+}
+
+/// *One mistake is one cause.*
+///
+/// Returns true if some response in `left` is a failure of the same kind as one in `cases`, which have no image: the same format,
+/// the same failure mode, and a last line on standard error of the same form. A misreading that would only refuse the files in
+/// `cases` does not show that these failures are separate.
+pub(super) fn splits_failures_of_one_kind(
+    witnesses: &[Witness],
+    cases: &[usize],
+    left: &[usize],
+) -> bool {
+    let is_same_kind = |&a: &usize, &b: &usize| {
+        let [a, b] = [&witnesses[a], &witnesses[b]];
+        let form = |witness: &Witness| message_form(&witness.observation.stderr);
+        a.case.format() == b.case.format()
+            && a.case.expect == b.case.expect
+            && FailureMode::new(a).is_some_and(|mode| FailureMode::new(b) == Some(mode))
+            && form(a) == form(b)
+    };
+    cases
+        .iter()
+        .any(|case| left.iter().any(|other| is_same_kind(case, other)))
 }
 
 /// *"Would look the same" is said only after the outputs for all these files have been compared.*

@@ -12,15 +12,13 @@ pub(super) enum FileScope {
     Formats(Vec<Format>),
     /// Files with the property at this index. The string contains the clause and the text of the property, separated by a space.
     Property(usize, &'static str),
-    /// Files for which the quantity at index `quantity` is at least or at most `bound`. The nearest value in any other file is
-    /// `other_bound`.
+    /// Files for which the quantity at index `quantity` is at least or at most `bound`.
     Beyond {
         quantity: usize,
         /// Clause about the quantity, and the text that describes the quantity.
         text: (&'static str, &'static str),
         bound: f64,
         is_minimum: bool,
-        other_bound: f64,
     },
 }
 
@@ -55,26 +53,8 @@ impl FileScope {
         }
     }
 
-    /// Returns text that completes "every file …", including the nearest value in any other file.
-    pub fn describe(&self) -> String {
-        let text = self.describe_members();
-        match self {
-            FileScope::Beyond { bound: 0.0, .. } => text,
-            FileScope::Beyond {
-                is_minimum,
-                other_bound,
-                ..
-            } => {
-                let there = if *is_minimum { "most" } else { "least" };
-                let other = format_bound(*other_bound);
-                format!("{text} (files without this problem: at {there} {other})")
-            }
-            _ => text,
-        }
-    }
-
     /// Returns text that completes "files …".
-    fn describe_members(&self) -> String {
+    fn describe(&self) -> String {
         match self {
             FileScope::Formats(formats) => {
                 format!("of format {}", list_formats(formats))
@@ -157,14 +137,41 @@ impl SharedScope {
         is_substantial(own, own + others)
     }
 
-    /// Returns text that completes "every legal file …".
-    pub fn describe(&self) -> String {
+    /// Returns text that completes "every legal file …", including the nearest value of a quantity in the files outside the scope.
+    pub fn describe(&self, witnesses: &[Witness]) -> String {
         let scope = self.scope.describe();
+        let nearest = self.nearest_value_outside(witnesses);
         match self.scope {
             FileScope::Formats(_) => scope,
-            _ if self.formats.len() == Format::ALL.len() => scope,
-            _ => format!("of {} {scope}", list_formats(&self.formats)),
+            _ if self.formats.len() == Format::ALL.len() => scope + &nearest,
+            _ => format!("of {} {scope}{nearest}", list_formats(&self.formats)),
         }
+    }
+
+    /// Returns text such as " (other files: at most 4)", or an empty string if the scope is not limited by a quantity.
+    fn nearest_value_outside(&self, witnesses: &[Witness]) -> String {
+        let FileScope::Beyond {
+            quantity,
+            bound,
+            is_minimum,
+            ..
+        } = self.scope
+        else {
+            return String::new();
+        };
+        let is_other = |witness: &&Witness| {
+            self.formats.contains(&witness.case.format()) && !self.scope.contains(witness)
+        };
+        let others = witnesses.iter().filter(is_other);
+        let values = others.filter_map(|witness| witness.facts().quantities[quantity].2);
+        let (side, nearest) = match is_minimum {
+            true => ("most", values.reduce(f64::max)),
+            false => ("least", values.reduce(f64::min)),
+        };
+        let nearest = nearest.filter(|_| bound != 0.0).map(format_bound);
+        nearest.map_or_else(String::new, |value| {
+            format!(" (other files: at {side} {value})")
+        })
     }
 }
 
@@ -293,7 +300,6 @@ fn thresholds(witnesses: &[Witness], group: &[usize], others: &[usize]) -> Vec<F
                     text: (clause, words),
                     bound,
                     is_minimum,
-                    other_bound,
                 });
             }
         }

@@ -12,7 +12,7 @@ use crate::diagnose::image_pair::{ImagePair, image_pair};
 use crate::diagnose::mistake::ChannelSubset;
 use crate::diagnose::place::{Step, wrong_channels};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
-use crate::diagnose::tuning::MIN_SHARING_FILES;
+use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SHARING_FILES, MIN_SUPPORT, is_nearly_all};
 use crate::diagnose::witness::Witness;
 use ptm::channel_name;
 use ptm_suite::compare::{Expected, format_distinct};
@@ -97,15 +97,22 @@ pub(in crate::diagnose) fn describe(
     let (witnesses, cases) = (search.witnesses, &group.cases[..]);
     let mut wrong = wrong_channels(search, set, cases);
     wrong.retain(|_| cases.len() >= MIN_SHARING_FILES);
-    let [effect, fix] = effect_and_fix(step);
+    let [effect, fix] = match is_only_frame_wrong(search, step, cases) {
+        true => [
+            "writes wrong final values, although the colors that follow from them are correct",
+            "compare the samples of the frame for view coef with docs/protocol.md: the type, the bytes of a number and their order",
+        ],
+        false => effect_and_fix(step),
+    };
     let [_, swap_fix] = effect_and_fix(Step::Rearranged);
     let (effect, fix) = match swapped_channels(search, set, cases, &wrong) {
         Some([first, second]) => (format!("swaps {first} and {second}"), swap_fix),
         None => (
             format!(
-                "{effect}{}{}",
+                "{effect}{}{}{}",
                 shape_text(search, set, step, cases),
-                channel_text(&wrong)
+                value_text(search, set, cases),
+                channel_text(search, cases, &wrong)
             ),
             fix,
         ),
@@ -145,6 +152,51 @@ fn shape_text(search: &Search, set: &MistakeSet, step: Step, cases: &[usize]) ->
     only.map_or_else(String::new, |(received, expected)| {
         format!(": {received} instead of {expected}")
     })
+}
+
+/// Returns true if the decoder computes the final values of these formats correctly, but does not output them so: all colors of
+/// legal files are correct, and nearly all images of final values are wrong.
+fn is_only_frame_wrong(search: &Search, step: Step, cases: &[usize]) -> bool {
+    let format = |w: usize| search.witnesses[w].case.format();
+    let of_view = |view: ViewKind| {
+        let all = search.witnesses.iter().filter(move |witness| {
+            witness.observation.view.kind() == view && witness.is_image_of_legal_file()
+        });
+        all.filter(|witness| cases.iter().any(|&w| format(w) == witness.case.format()))
+    };
+    let [wrong, right] = [true, false].map(|failed| {
+        [ViewKind::Coef, ViewKind::Rgb]
+            .map(|view| of_view(view).filter(|w| w.failed == failed).count())
+    });
+    step == Step::FinalValue
+        && wrong[1] == 0
+        && right[1] >= MIN_READ_FILES
+        && is_nearly_all(wrong[0], wrong[0] + right[0])
+}
+
+/// Returns text such as ": NaN instead of every wrong value" if all wrong samples of the images have the same value.
+fn value_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
+    let mut value = None;
+    for pair in cases.iter().filter_map(|&w| image_pair(search, set, w)) {
+        for i in pair.wrong_samples() {
+            let received = pair.received[i];
+            let bits = if received.is_nan() {
+                f64::NAN
+            } else {
+                received
+            }
+            .to_bits();
+            if *value.get_or_insert(bits) != bits {
+                return String::new();
+            }
+        }
+    }
+    match value.map(f64::from_bits) {
+        Some(value) if cases.len() >= MIN_SUPPORT => {
+            format!(": every wrong sample is {value}")
+        }
+        _ => String::new(),
+    }
 }
 
 /// Returns text such as " (12 in view raw, 10 in view coef)" if the images belong to several views.
@@ -187,8 +239,12 @@ fn swapped_channels(
     are_swapped.then(|| [name(first), name(second)])
 }
 
-/// Returns text such as ", only in a3" if all other channels are correct.
-fn channel_text(wrong: &[bool]) -> String {
+/// Returns text such as ", only in a3" if all other channels are correct. Mistakes that were found may affect other channels; then
+/// the text would be ambiguous, and it is empty.
+fn channel_text(search: &Search, cases: &[usize], wrong: &[bool]) -> String {
+    if wrong_channels(search, &[], cases) != wrong {
+        return String::new();
+    }
     let names: Vec<String> = (0..wrong.len())
         .filter(|&channel| wrong[channel])
         .map(|channel| channel_name(wrong.len(), channel))

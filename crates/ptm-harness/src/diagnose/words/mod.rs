@@ -33,7 +33,7 @@ fn files_of_group(witnesses: &[Witness], group: &Group) -> String {
 /// files in the scope fail in another way, or "12 legal files with predicted planes" if other files were not judged.
 fn files_in_scope(witnesses: &[Witness], shared: &SharedScope) -> String {
     let (count, others) = shared.count_legal(witnesses);
-    let scope = shared.describe();
+    let scope = shared.describe(witnesses);
     match others {
         _ if count == 0 => format!(
             "{} files {scope} that need not be decoded",
