@@ -92,6 +92,14 @@ fn with_plane_edits<'a>(misreadings: &[&Misreading], ptm: &'a Ptm) -> Cow<'a, Pt
     ptm
 }
 
+/// Returns the map with the stored values of a decoder with these mistakes.
+#[must_use]
+pub fn stored_values(misreadings: &[&Misreading], ptm: &Ptm) -> Ptm {
+    let ptm = with_plane_edits(misreadings, ptm);
+    let edits = formula_edits(misreadings);
+    formula::stored_values(&ptm, Edits(&edits)).into_owned()
+}
+
 /// Returns the formula edits of these mistakes. If two mistakes edit the same formula, the edit of the later mistake comes first.
 #[must_use]
 pub fn formula_edits(misreadings: &[&Misreading]) -> Vec<&'static Edit> {

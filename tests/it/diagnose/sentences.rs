@@ -1205,3 +1205,114 @@ fn a_statement_about_colors_shows_a_color() {
     }
     assert_all_true(reports);
 }
+
+// Mistakes of output, and of one channel
+
+/// Returns the reference's answer with its final values changed by `change`, in the channels of one texel.
+///
+/// `change` gets the map, the channel, the stored value and the final value.
+fn with_final_values(request: &Request, change: impl Fn(&Ptm, usize, u8, &mut f64)) -> Answer {
+    let Ok(ptm) = decode_as(request.file, &Reading::SPEC, &Limits::default()) else {
+        return reference_answer(request);
+    };
+    if request.view.kind() == ViewKind::Raw {
+        return reference_answer(request);
+    }
+    let mut coefficients =
+        evaluate::compute_coefficients(&ptm.header.scale_bias, &ptm.planes, &Reading::SPEC);
+    let channels = ptm.planes.shape.channels();
+    let values = coefficients.values.iter_mut().zip(&ptm.planes.samples);
+    for (i, (value, &stored)) in values.enumerate() {
+        change(&ptm, i % channels, stored, value);
+    }
+    let samples = match request.view {
+        View::Rgb(light) => {
+            let image = evaluate::evaluate(&coefficients, light.lu, light.lv, &Reading::SPEC);
+            image.values
+        }
+        _ => coefficients.values,
+    };
+    let samples = request.view.kind().samples(&samples);
+    Answer::Decoded(Frame::of_map(&ptm, request.view, samples))
+}
+
+#[test]
+fn values_that_only_the_frame_has_wrong_are_said_to_be_written_wrong() {
+    let suite = cases(is_uncompressed);
+    let with_values = |request: &Request, change: fn(f32) -> f32| match reference_answer(request) {
+        Answer::Decoded(mut frame) if request.view.kind() == ViewKind::Coef => {
+            if let Samples::F32(values) = &mut frame.samples {
+                values.iter_mut().for_each(|value| *value = change(*value));
+            }
+            Answer::Decoded(frame)
+        }
+        answer => answer,
+    };
+    let without_last_byte: fn(f32) -> f32 = |value| f32::from_bits(value.to_bits() & 0x00ff_ffff);
+    let report = printed_report(&suite, |request| with_values(request, without_last_byte));
+    let report = report.says(&["although the colors that follow from them are correct"]);
+    let nan = printed_report(&suite, |request| with_values(request, |_| f32::NAN));
+    assert_all_true([
+        report.has_causes(1),
+        nan.has_causes(1).says(&["every wrong sample is NaN"]),
+    ]);
+}
+
+#[test]
+fn one_unscaled_channel_and_one_scaled_color_are_named() {
+    let suite = cases(is_uncompressed);
+    let unscaled = |request: &Request| {
+        with_final_values(request, |_, channel, stored, value| {
+            if channel == 17 {
+                *value = f64::from(stored);
+            }
+        })
+    };
+    let scaled = |request: &Request| {
+        with_final_values(request, |ptm, channel, _, value| {
+            let set = &ptm.header.scale_bias;
+            if channel == 6 && ptm.planes.shape.channels() == 9 {
+                *value = (*value - set.bias[0]) * set.scale[0];
+            }
+        })
+    };
+    assert_all_true([
+        printed_report(&suite, unscaled)
+            .says(&["as raw instead of (raw - bias[i]) * scale[i], only in a5 of blue"])
+            .has_causes(1),
+        printed_report(&suite, scaled)
+            .says(&["as (raw - bias[i]) * scale[i] instead of raw"])
+            .has_causes(1),
+    ]);
+}
+
+#[test]
+fn coefficients_of_another_color_are_named() {
+    let suite = cases(|case| case.format().channels() == 18 && is_uncompressed(case));
+    let decoder = |request: &Request| {
+        let View::Rgb(light) = request.view else {
+            return reference_answer(request);
+        };
+        let Answer::Decoded(mut frame) = reference_answer(request) else {
+            return reference_answer(request);
+        };
+        let ptm = decode_as(request.file, &Reading::SPEC, &Limits::default());
+        let ptm = ptm.expect("the reference reads the file");
+        let set = &ptm.header.scale_bias;
+        let values = evaluate::compute_coefficients(set, &ptm.planes, &Reading::SPEC).values;
+        let green = values.chunks_exact(18).map(|texel| {
+            let value = (Reading::SPEC.polynomial)(&texel[5..11], light.lu, light.lv);
+            (Reading::SPEC.clamp)(value)
+        });
+        if let Samples::U8(samples) = &mut frame.samples {
+            for (texel, green) in samples.chunks_exact_mut(3).zip(green) {
+                texel[1] = (green + 0.5) as u8;
+            }
+        }
+        Answer::Decoded(frame)
+    };
+    printed_report(&suite, decoder)
+        .says(&["the channel of coefficient i of color c as c * 5 + i"])
+        .says(&["only in green"])
+        .assert_true();
+}

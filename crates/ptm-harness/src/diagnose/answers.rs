@@ -2,12 +2,15 @@
 
 use std::borrow::Cow;
 
+use std::ops::RangeInclusive;
+
 use super::mistake::{ChannelSubset, Mistake};
 use super::tuning::{ROUNDING_SLACK, is_few};
 use super::witness::{Witness, can_affect_file, equal_up_to_rounding, is_after_decoding};
-use ptm::Ptm;
+use ptm::{Ptm, Reading};
+use ptm_mistakes::formula::{self, Edit, Edits, final_values};
 use ptm_mistakes::{Change, Misreading, Stage};
-use ptm_suite::protocol::frame::{Answer, Samples, View};
+use ptm_suite::protocol::frame::{Answer, Frame, Samples, View};
 use ptm_suite::verdicts::observation::Response;
 
 /// Rounding error of colors computed in double precision.
@@ -22,16 +25,74 @@ impl Witness<'_> {
         let (whole, partial): (Vec<&Mistake>, Vec<&Mistake>) = in_scope
             .copied()
             .partition(|mistake| mistake.channels == ChannelSubset::All);
-        let mut misreadings: Vec<&Misreading> =
-            whole.iter().map(|mistake| mistake.misreading).collect();
-        let mut answer = self.answer_of_misreadings(&misreadings);
-        for mistake in partial {
-            misreadings.push(mistake.misreading);
-            let changed = self.answer_of_misreadings(&misreadings);
-            mistake.channels.replace(answer.to_mut(), &changed);
-            misreadings.pop();
+        let whole: Vec<&Misreading> = whole.iter().map(|mistake| mistake.misreading).collect();
+        match partial.is_empty() {
+            true => self.answer_of_misreadings(&whole),
+            false => Cow::Owned(self.answer_in_some_channels(&whole, &partial)),
         }
-        answer
+    }
+
+    /// Returns the answer of a decoder that makes the mistakes in `whole` in all channels, and those in `partial` in some. Stored
+    /// values, final values and colors are computed one after the other, and each mistake changes only its channels of the first
+    /// that it affects.
+    fn answer_in_some_channels(&self, whole: &[&Misreading], partial: &[&Mistake]) -> Answer {
+        let read = |mistakes: &[&Misreading]| {
+            let (ptm, reading) = ptm_mistakes::read(mistakes, self.reading, &self.built.file)?;
+            Ok((ptm_mistakes::stored_values(mistakes, &ptm), reading))
+        };
+        let (mut ptm, reading) = match read(whole) {
+            Ok(read) => read,
+            Err(error) => return ptm_mistakes::refusal_answer(error),
+        };
+        let shape = ptm.planes.shape;
+        let (channels, view) = (shape.channels(), &self.observation.view);
+        let with = |mistake: &Mistake| [whole, &[mistake.misreading]].concat();
+        let of_stage = |stages: RangeInclusive<Stage>| {
+            let all = partial.iter().copied();
+            all.filter(move |mistake| stages.contains(&mistake.misreading.stage()))
+        };
+        for mistake in of_stage(Stage::File..=Stage::Planes) {
+            match read(&with(mistake)) {
+                Ok((other, _)) => {
+                    let samples = &mut ptm.planes.samples;
+                    mistake
+                        .channels
+                        .replace(channels, samples, &other.planes.samples);
+                }
+                Err(error) => return ptm_mistakes::refusal_answer(error),
+            }
+        }
+        let decisions = |mistakes: &[&Misreading]| {
+            let reading = ptm_mistakes::apply_to_reading(mistakes, self.reading);
+            (reading, ptm_mistakes::formula_edits(mistakes))
+        };
+        let frame = |samples| Answer::Decoded(Frame::of_map(&ptm, view, samples));
+        if *view == View::Raw {
+            return frame(Samples::U8(ptm.planes.samples.clone()));
+        }
+        let edits = ptm_mistakes::formula_edits(whole);
+        let mut finals = final_values(&ptm, &reading, Edits(&edits));
+        for mistake in of_stage(Stage::Coefficients..=Stage::Coefficients) {
+            let (reading, edits) = decisions(&with(mistake));
+            let other = final_values(&ptm, &reading, Edits(&edits)).values;
+            mistake
+                .channels
+                .replace(channels, &mut finals.values, &other);
+        }
+        let View::Rgb(light) = view else {
+            return frame(view.kind().samples(&finals.values));
+        };
+        let image = |reading: &Reading, edits: &[&Edit]| {
+            formula::image(&finals, light.lu, light.lv, reading, Edits(edits)).values
+        };
+        let mut colors = image(&reading, &edits);
+        for mistake in of_stage(Stage::Color..=Stage::Color) {
+            let (reading, edits) = decisions(&with(mistake));
+            mistake
+                .channels
+                .replace(3, &mut colors, &image(&reading, &edits));
+        }
+        frame(view.kind().samples(&colors))
     }
 
     fn misreadings_in_scope(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {

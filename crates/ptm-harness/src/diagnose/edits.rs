@@ -108,7 +108,7 @@ fn matching_edits(search: &Search, set: &MistakeSet, probes: &[Vec<usize>]) -> V
                 let answer = search.answer_with(*w, set, &edit);
                 for (channels, count) in channels.iter().zip(&mut counts) {
                     let mut image = unedited.clone();
-                    channels.replace(image.to_mut(), &answer);
+                    channels.replace_in_image(image.to_mut(), &answer);
                     *count += usize::from(witness.agreement(&image) == Agreement::Image);
                 }
             }

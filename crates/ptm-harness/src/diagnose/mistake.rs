@@ -51,6 +51,8 @@ impl Mistake {
     }
 }
 
+const COLORS: [&str; 3] = ["red", "green", "blue"];
+
 /// A subset of the channels of an image, independent of the number of channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum ChannelSubset {
@@ -61,6 +63,8 @@ pub(super) enum ChannelSubset {
     Color(usize),
     /// Channels after a5: R, G and B, or Cr and Cb.
     Chroma,
+    /// A coefficient of the polynomial of red, green or blue.
+    ColorCoefficient(usize, usize),
 }
 
 impl ChannelSubset {
@@ -72,7 +76,13 @@ impl ChannelSubset {
             (ChannelSubset::Color(c), 18) => channel / 6 == c,
             (ChannelSubset::Color(c), 9) => channel == 6 + c,
             (ChannelSubset::Chroma, 8 | 9) => channel >= 6,
-            (ChannelSubset::Coefficient(_) | ChannelSubset::Chroma, _) => false,
+            (ChannelSubset::ColorCoefficient(i, c), 18) => channel == 6 * c + i,
+            (
+                ChannelSubset::Coefficient(_)
+                | ChannelSubset::ColorCoefficient(..)
+                | ChannelSubset::Chroma,
+                _,
+            ) => false,
             (ChannelSubset::Color(c), _) => count == 3 && channel == c,
         }
     }
@@ -81,7 +91,12 @@ impl ChannelSubset {
     pub fn smallest_containing(wrong: &[bool]) -> ChannelSubset {
         let coefficients = (0..6).map(ChannelSubset::Coefficient);
         let colors = (0..3).map(ChannelSubset::Color);
-        let all = coefficients.chain(colors).chain([ChannelSubset::Chroma]);
+        let single =
+            (0..18).map(|channel| ChannelSubset::ColorCoefficient(channel % 6, channel / 6));
+        let all = single
+            .chain(coefficients)
+            .chain(colors)
+            .chain([ChannelSubset::Chroma]);
         let covers = |channels: &ChannelSubset| {
             (0..wrong.len())
                 .all(|channel| !wrong[channel] || channels.contains(wrong.len(), channel))
@@ -94,25 +109,29 @@ impl ChannelSubset {
         match self {
             ChannelSubset::All => String::new(),
             ChannelSubset::Coefficient(i) => format!(", only in a{i}"),
-            ChannelSubset::Color(c) => format!(", only in {}", ["red", "green", "blue"][c]),
+            ChannelSubset::Color(c) => format!(", only in {}", COLORS[c]),
+            ChannelSubset::ColorCoefficient(i, c) => {
+                format!(", only in a{i} of {}", COLORS[c])
+            }
             ChannelSubset::Chroma => ", only in the channels after a5".to_owned(),
         }
     }
 
     /// Replaces these channels of `image` with those of `other`, an image of the same shape.
-    pub fn replace(self, image: &mut Answer, other: &Answer) {
+    pub fn replace_in_image(self, image: &mut Answer, other: &Answer) {
         let (Answer::Decoded(image), Answer::Decoded(other)) = (image, other) else {
             return;
         };
         let count = image.channels as usize;
         match (&mut image.samples, &other.samples) {
-            (Samples::U8(image), Samples::U8(other)) => self.replace_samples(count, image, other),
-            (Samples::F32(image), Samples::F32(other)) => self.replace_samples(count, image, other),
+            (Samples::U8(image), Samples::U8(other)) => self.replace(count, image, other),
+            (Samples::F32(image), Samples::F32(other)) => self.replace(count, image, other),
             _ => {}
         }
     }
 
-    fn replace_samples<T: Copy>(self, count: usize, image: &mut [T], other: &[T]) {
+    /// Replaces these channels of `image`, which has `count` channels, with those of `other`.
+    pub fn replace<T: Copy>(self, count: usize, image: &mut [T], other: &[T]) {
         for (i, (sample, other)) in image.iter_mut().zip(other).enumerate() {
             if self.contains(count, i % count) {
                 *sample = *other;

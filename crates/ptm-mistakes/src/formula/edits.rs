@@ -55,6 +55,13 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
     if let Formula::Rendering | Formula::FinalCoefficient | Formula::StoredValue = formula {
         all.push(number(0.0));
     }
+    // A coefficient stays as stored, or a color is treated as a coefficient.
+    let other = match formula {
+        Formula::FinalCoefficient => Some(Formula::FinalColor),
+        Formula::FinalColor => Some(Formula::FinalCoefficient),
+        _ => None,
+    };
+    all.extend(other.map(|other| other.stated().expression.clone()));
     for operator in [
         drop_parts,
         replace_operators,

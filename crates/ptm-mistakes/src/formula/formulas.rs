@@ -16,6 +16,8 @@ pub enum Formula {
     LightU,
     LightV,
     Polynomial,
+    IntensityChannel,
+    ColorChannel,
     Color,
     MatrixRow,
     Rendering,
@@ -75,10 +77,12 @@ pub enum Stage {
 
 impl Formula {
     /// All formulas with their names, in order from the image back to the bytes.
-    pub const ALL: [(Formula, &'static str); 43] = [
+    pub const ALL: [(Formula, &'static str); 45] = [
         (Formula::LightU, "light u"),
         (Formula::LightV, "light v"),
         (Formula::Polynomial, "polynomial"),
+        (Formula::IntensityChannel, "channel of a coefficient"),
+        (Formula::ColorChannel, "channel of a color"),
         (Formula::Color, "color"),
         (Formula::MatrixRow, "matrix row"),
         (Formula::Rendering, "shown value"),
@@ -149,7 +153,8 @@ impl Formula {
     pub fn is_used_by(self, format: Format) -> bool {
         let channels = format.channels();
         match self {
-            Formula::Color => channels == 9,
+            Formula::IntensityChannel => channels == 18,
+            Formula::Color | Formula::ColorChannel => channels == 9,
             Formula::MatrixRow | Formula::LumSample => format == Format::Lum,
             Formula::FinalColor => channels < 18,
             Formula::RgbSample => format == Format::Rgb,

@@ -611,11 +611,26 @@ pub fn image(
             (reading.polynomial)(a, u, v)
         })
     };
+    // `texel` contains the values from one texel to the last.
+    let at = |texel: &[f64], formula: Formula, variables: &[f64]| {
+        let channel = edits.value(formula, variables, &[]);
+        let is_index = channel >= 0.0 && channel.fract() == 0.0;
+        let value = texel.get(channel as usize).filter(|_| is_index);
+        value.copied().unwrap_or_default()
+    };
     let color = |texel: &[f64]| match coefficients.shape {
-        Shape::Rgb => [&texel[..6], &texel[6..12], &texel[12..]].map(polynomial),
+        Shape::Rgb => [0, 1, 2].map(|c| {
+            if !edits.is_edited(Formula::IntensityChannel) {
+                return polynomial(&texel[6 * c..6 * c + 6]);
+            }
+            let coefficient =
+                |i: usize| at(texel, Formula::IntensityChannel, &[i as f64, c as f64]);
+            polynomial(&[0, 1, 2, 3, 4, 5].map(coefficient))
+        }),
         Shape::Lrgb => {
             let luminance = (reading.luminance)(polynomial(&texel[..6]));
-            [texel[6], texel[7], texel[8]].map(|rgb| {
+            [0.0, 1.0, 2.0].map(|k| {
+                let rgb = at(texel, Formula::ColorChannel, &[k]);
                 let unedited = || (reading.modulate)(luminance, rgb);
                 edits.value_or(Formula::Color, &[luminance, rgb], unedited)
             })
@@ -634,11 +649,13 @@ pub fn image(
         // A byte cannot represent NaN.
         if clamped.is_nan() { 0.0 } else { clamped }
     };
-    let texels = coefficients
-        .values
-        .chunks_exact(coefficients.shape.channels());
+    let (values, channels) = (&coefficients.values, coefficients.shape.channels());
+    let texels = (0..values.len()).step_by(channels);
     RelitImage {
         size: coefficients.size,
-        values: texels.flat_map(color).map(clamp).collect(),
+        values: texels
+            .flat_map(|start| color(&values[start..]))
+            .map(clamp)
+            .collect(),
     }
 }
