@@ -91,6 +91,8 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
             limits: args.limits(serves),
         },
         requests_scene: args.output.html.is_some(),
+        // Answers in files cost nothing, and the parts of a run must not depend on each other.
+        asks_all: args.all || precomputed || args.shard.is_some(),
         ..Check::new(&suite, &plan)
     };
     let advice = args.reordered_command();

@@ -74,6 +74,10 @@ pub struct CheckArgs {
     /// Run only the smoke subset: a few cases that catch every misreading in the catalog if the decoder supports all formats.
     #[arg(long)]
     pub smoke: bool,
+    /// Ask all files of every feature. Without this option, if the decoder exits with 69 (unsupported) for the first files that need
+    /// a format or another feature, the other ones are not asked.
+    #[arg(long)]
+    pub all: bool,
     /// Assume that the decoder has this misreading (a name from the diagnosis), and judge its other answers. Repeatable.
     #[arg(long = "assume", value_name = "SLUG")]
     pub assumed: Vec<String>,

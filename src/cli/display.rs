@@ -10,8 +10,8 @@ use super::ending::ReportWriter;
 use super::files::with_path;
 use super::progress::{self, ProgressLine};
 use crate::report::html::Evidence;
-use crate::report::text::first_causes_to_text;
-use ptm_harness::pipeline::{Agenda, FinishedCase, FirstCauses, FoundCauses, Observer, Stage};
+use crate::report::text::first_verdicts_to_text;
+use ptm_harness::pipeline::{Agenda, FinishedCase, FirstVerdicts, FoundCauses, Observer, Stage};
 use ptm_harness::report::document::Report;
 use ptm_harness::session::run::Ending;
 
@@ -59,11 +59,8 @@ impl Observer for Display<'_> {
     fn stage_began(&self, stage: &Stage) {
         match stage {
             Stage::FirstContact => self.progress.begin("initial checks"),
-            Stage::PrioritizedCases => self.progress.begin("running the smoke subset:"),
-            Stage::FirstSearch(work) => {
-                let label = "searching for first causes";
-                self.progress.begin_search(label, work);
-            }
+            Stage::Sample => self.progress.begin("a few files of each feature:"),
+            Stage::PrioritizedCases => self.progress.begin("every clause:"),
             Stage::Cases => self.progress.begin("running"),
             Stage::Repeats => self.progress.begin("repeating requests:"),
             Stage::Report => self.progress.begin("writing the report"),
@@ -78,7 +75,7 @@ impl Observer for Display<'_> {
             let [long, short] = [long, agenda.time(first)].map(progress::format_duration);
             let hint = self.speed_hint.unwrap_or_default();
             self.progress.print_message(&format!(
-                "{all} requests will take about {long}; the first likely causes will be known after {first} requests, in about {short}.{hint}"
+                "{all} requests will take about {long}; every clause will be tested after {first} requests, in about {short}.{hint}"
             ));
         }
     }
@@ -96,10 +93,8 @@ impl Observer for Display<'_> {
         self.progress.update(done, total);
     }
 
-    fn first_causes_found(&self, first: &FirstCauses) {
-        if let Some(text) = first_causes_to_text(first.judged, first.failed, first.causes) {
-            self.progress.print_message(&text);
-        }
+    fn first_verdicts(&self, first: &FirstVerdicts) {
+        self.progress.print_message(&first_verdicts_to_text(first));
     }
 
     fn request_repeated(&self, done: usize, total: usize) {

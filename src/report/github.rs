@@ -4,6 +4,7 @@
 
 use std::fmt::{self, Write};
 
+use crate::report::text::not_asked_text;
 use ptm_harness::report::document::{CaseResult, LikelyCause, Report, Verdict};
 use ptm_suite::address::published_url;
 use ptm_suite::verdicts::outcome::Outcome;
@@ -96,6 +97,9 @@ fn write_head(report: &Report, out: &mut String) -> fmt::Result {
     let parts = [scores.correctness, scores.breadth, scores.robustness];
     writeln!(out, "| correctness | breadth | robustness |\n|--:|--:|--:|")?;
     writeln!(out, "| {} | {} | {} |\n", parts[0], parts[1], parts[2])?;
+    if let Some(text) = not_asked_text(report) {
+        writeln!(out, "> {}\n", escape_markdown(&text))?;
+    }
     for remark in &report.remarks {
         writeln!(out, "> {}\n", escape_markdown(&remark.message))?;
     }

@@ -1,8 +1,10 @@
 //! Reports as text for a terminal.
 
+use std::cmp::Reverse;
 use std::collections::BTreeMap;
 use std::fmt::{self, Write};
 
+use ptm_harness::pipeline::FirstVerdicts;
 use ptm_harness::report::document::{CaseResult, FollowedReading, LikelyCause, Report, Verdict};
 use ptm_harness::report::leniency::Leniency;
 use ptm_harness::report::suite_texts::SuiteTexts;
@@ -44,44 +46,48 @@ pub fn cases_to_text(
     text
 }
 
-/// Minimum number of failures that a cause must explain to be reported during a run.
-const MIN_FAILURES_PER_CAUSE: usize = 3;
-/// Maximum number of causes that are reported during a run.
-const MAX_FIRST_CAUSES: usize = 5;
+/// Maximum number of failing clauses that are listed during a run.
+const MAX_FIRST_CLAUSES: usize = 12;
 
-/// Formats the likely causes of failures among the first cases of a run, of which some were judged and some failed. Returns
-/// `None` if no case failed.
+/// Describes the verdicts on the first cases of a run, which test every clause.
 #[must_use]
-pub fn first_causes_to_text(
-    judged: usize,
-    failed: usize,
-    causes: &[LikelyCause],
-) -> Option<String> {
-    if failed == 0 {
-        return None;
+pub fn first_verdicts_to_text(first: &FirstVerdicts) -> String {
+    let FirstVerdicts {
+        judged,
+        failed,
+        failing_clauses,
+    } = first;
+    if *failed == 0 {
+        return format!("the first {judged} cases, which test every clause: none failed");
     }
-    let mut lines = vec![format!(
-        "{failed} of the first {judged} cases failed. Likely causes, to be confirmed or corrected by the whole run:"
-    )];
-    let is_frequent = |cause: &&LikelyCause| cause.explains.len() >= MIN_FAILURES_PER_CAUSE;
-    let (frequent, few): (Vec<_>, Vec<_>) = causes.iter().partition(is_frequent);
-    for cause in frequent.iter().take(MAX_FIRST_CAUSES) {
-        let (count, does, fix) = (cause.explains.len(), behavior(cause), &cause.fix);
-        lines.push(format!("{count} of {failed} failures: the decoder {does}."));
-        lines.push(format!("  Fix: {fix}."));
-    }
-    if frequent.len() > MAX_FIRST_CAUSES {
-        lines.push(format!("… and {} more", frequent.len() - MAX_FIRST_CAUSES));
-    }
-    let few: usize = few.iter().map(|cause| cause.explains.len()).sum();
-    if few > 0 {
-        let why = "too few similar failures to name a cause yet";
-        lines.push(format!("{few} of {failed} failures: {why}"));
-    }
-    if causes.is_empty() {
-        lines.push("none yet".to_owned());
-    }
-    Some(lines.join("\n  "))
+    let mut clauses: Vec<(&String, &usize)> = failing_clauses.iter().collect();
+    clauses.sort_by_key(|(_, count)| Reverse(**count));
+    let listed = clauses.iter().take(MAX_FIRST_CLAUSES);
+    let listed: Vec<String> = listed
+        .map(|(clause, count)| format!("{clause} ({count})"))
+        .collect();
+    let more = match clauses.len().saturating_sub(MAX_FIRST_CLAUSES) {
+        0 => String::new(),
+        more => format!(", and {more} more"),
+    };
+    format!(
+        "the first {judged} cases, which test every clause: {failed} failed, in clauses {}{more}",
+        listed.join(", ")
+    )
+}
+
+/// Returns a sentence about the files that were not requested because the decoder lacks a feature, if there are any.
+#[must_use]
+pub fn not_asked_text(report: &Report) -> Option<String> {
+    let of_feature = |(feature, count): (&String, &usize)| format!("{count} of {feature}");
+    let features: Vec<String> = report.not_asked.iter().map(of_feature).collect();
+    let total: usize = report.not_asked.values().sum();
+    (total > 0).then(|| {
+        format!(
+            "not asked, because it exits with 69 for the first files of the kind: {} (--all asks them)",
+            features.join(", ")
+        )
+    })
 }
 
 /// Describes the behavior of a decoder with this mistake, and names the misread clause if there is one.
@@ -193,7 +199,11 @@ impl Page<'_> {
             let unsupported = report.decoder.unsupported.join(", ");
             writeln!(out, "unsupported (exit status 69): {unsupported}")?;
         }
-        let (judged, all) = (report.cases.len(), self.texts.cases.len());
+        if let Some(text) = not_asked_text(report) {
+            writeln!(out, "{text}")?;
+        }
+        let not_asked: usize = report.not_asked.values().sum();
+        let (judged, all) = (report.cases.len() + not_asked, self.texts.cases.len());
         let selection = match judged < all {
             true => format!(" ({judged} of {all} cases selected)"),
             false => String::new(),

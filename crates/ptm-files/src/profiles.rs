@@ -235,7 +235,7 @@ fn entry(case: &Case, profile: Profile) -> Result<(ProfileCase, Vec<ProfileFile>
             )?);
         }
     }
-    let refused = matches!(case.expect, Expect::Reject | Expect::Refuse);
+    let refused = case.expect.is_refusal();
     let damage = case.damage();
     let code = damage.filter(|_| refused);
     let code = code.and_then(|damage| Code::for_rejected_file(&damage.name));

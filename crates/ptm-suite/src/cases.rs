@@ -40,6 +40,12 @@ impl Expect {
         matches!(self, Expect::Lenient | Expect::Robust | Expect::Spelling)
     }
 
+    /// Returns true if only a refusal is right.
+    #[must_use]
+    pub const fn is_refusal(self) -> bool {
+        matches!(self, Expect::Reject | Expect::Refuse)
+    }
+
     /// Returns the name used in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {

@@ -105,6 +105,10 @@ impl TestCase for Case {
         features
     }
 
+    fn texels(&self) -> Option<u64> {
+        self.recipe().map(|recipe| recipe.size.bytes(1))
+    }
+
     fn twins(cases: &[Case]) -> Vec<Vec<usize>> {
         let numbered = cases.iter().enumerate();
         let indices: HashMap<&str, usize> = numbered.map(|(i, case)| (&*case.id, i)).collect();

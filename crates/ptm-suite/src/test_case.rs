@@ -78,6 +78,10 @@ pub trait TestCase: Listed + Clone + Debug + Send + Sync + 'static {
     fn kind(&self) -> Feature;
     /// Returns the features that a decoder needs for this case in `view`.
     fn features(&self, view: &Self::View) -> BTreeSet<Feature>;
+    /// Returns the number of texels, if it is known before the file is generated.
+    fn texels(&self) -> Option<u64> {
+        None
+    }
     /// Returns, for each case of a suite, the must-accept cases on which it depends: if none of them is decoded, a refusal proves
     /// nothing.
     fn twins(cases: &[Self]) -> Vec<Vec<usize>>;

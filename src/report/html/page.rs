@@ -7,6 +7,7 @@ use crate::report::html::diagnosis::{diagnosis, next_steps};
 use crate::report::html::evidence::Evidence;
 use crate::report::html::shell::{complete_page, link, mark, verdict_mark};
 use crate::report::html::{clause_map, scene};
+use crate::report::text::not_asked_text;
 use ptm_harness::report::document::{CaseResult, Report};
 use ptm_harness::report::suite_texts::SuiteTexts;
 use ptm_harness::session::lit_scene::LitScene;
@@ -171,6 +172,7 @@ fn dialect(report: &Report, rulings: &[Ruling]) -> Markup {
                 @for feature in &report.decoder.decodes { li { span.mark { (mark(Outcome::Pass)) } " " (feature) } }
                 @for feature in &report.decoder.unsupported { li.absent { span.mark { (mark(Outcome::Unsupported)) } " " (feature) " " small { "unsupported (exit status 69)" } } }
             }
+            @if let Some(text) = not_asked_text(report) { p.quiet { (text) } }
             p.quiet { "Views offered: " (report.decoder.views.join(", ")) }
         }
     }

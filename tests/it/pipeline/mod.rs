@@ -2,17 +2,21 @@
 
 #![cfg(unix)]
 
+use std::collections::BTreeSet;
 use std::sync::Mutex;
 
+use ptm::Format;
 use ptm_harness::pipeline::texture::TextureCheck;
 use ptm_harness::pipeline::{
-    self, Agenda, Check, Error, FinishedCase, FirstCauses, FoundCauses, Observer, Stage, check,
+    self, Agenda, Check, Error, FinishedCase, FirstVerdicts, FoundCauses, Observer, Stage, check,
 };
 use ptm_harness::report::Report;
-use ptm_harness::report::document::LikelyCause;
+use ptm_harness::report::baseline::Baseline;
+use ptm_harness::report::document::{BaselineComparison, LikelyCause, Verdict};
 use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_harness::strength::smoke;
-use ptm_suite::cases::Suite;
+use ptm_suite::cases::{Case, Suite};
+use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{Reply, Request};
 use ptm_suite::texture::cases::TextureView;
 use ptm_suite::verdicts::outcome::Outcome;
@@ -48,8 +52,8 @@ impl Observer for Log {
     fn stage_began(&self, stage: &Stage) {
         self.add(match stage {
             Stage::FirstContact => "first contact:",
+            Stage::Sample => "sample:",
             Stage::PrioritizedCases => "prioritized cases:",
-            Stage::FirstSearch(_) => "first search:",
             Stage::Cases => "cases:",
             Stage::Repeats => "repeats:",
             Stage::Report => "report:",
@@ -75,9 +79,10 @@ impl Observer for Log {
         self.add("repeat");
     }
 
-    fn first_causes_found(&self, first: &FirstCauses) {
-        let causes: Vec<&str> = first.causes.iter().map(LikelyCause::name).collect();
-        self.add(format!("first causes: {}", causes.join(" ")));
+    fn first_verdicts(&self, first: &FirstVerdicts) {
+        assert!(first.failed <= first.judged);
+        let clauses: Vec<&str> = first.failing_clauses.keys().map(String::as_str).collect();
+        self.add(format!("failing clauses: {}", clauses.join(" ")));
     }
 
     fn verdicts_reported(&self, report: &Report) -> Result<(), String> {
@@ -127,15 +132,19 @@ fn verdicts_are_reported_before_causes_are_searched() {
     assert_eq!(verdicts, Some(without_causes));
 
     let mut events = log.events();
-    // The first search has a time limit.
-    events.retain(|event| !event.starts_with("first causes: "));
+    let clauses = events
+        .iter()
+        .position(|event| event.starts_with("failing clauses: "));
+    let clauses = events.remove(clauses.expect("the first verdicts are known"));
+    assert!(clauses.contains("2.4/8"), "{clauses}");
     let expected = [
         "first contact:",
         "offers raw coef rgb; undone in []",
+        "sample:",
+        "case",
         "agenda",
         "prioritized cases:",
         "case",
-        "first search:",
         "cases:",
         "case",
         "repeats:",
@@ -146,6 +155,112 @@ fn verdicts_are_reported_before_causes_are_searched() {
         "causes: bias-added",
     ];
     assert_eq!(events, expected);
+}
+
+/// Checks a decoder that answers with 69 if `lacks` returns true for a case, and counts its requests.
+fn check_decoder_without(suite: &Suite, lacks: impl Fn(&Case) -> bool + Sync) -> (Report, usize) {
+    let plan = plan(suite);
+    let decoder = |request: &Request<'_>, _: usize| {
+        let case = suite.case(request.name).expect("the case exists");
+        Reply::from(match lacks(case) {
+            true => Answer::Unsupported,
+            false => answer_with(&[], request),
+        })
+    };
+    let checked = check(&Check::new(suite, &plan), &decoder, &()).expect("a verdict");
+    let requests = checked.run.request_count;
+    (checked.report, requests)
+}
+
+#[test]
+fn files_of_a_lacking_format_are_not_asked_and_have_no_verdict() {
+    let suite = suite_of_small_files();
+    let is_other = |case: &Case| case.format() != Format::Lrgb;
+    let (report, requests) = check_decoder_without(&suite, is_other);
+    assert_eq!(report.verdict, Verdict::Pass);
+    let not_asked: usize = report.not_asked.values().sum();
+    assert_eq!(report.cases.len() + not_asked, suite.cases.len());
+    assert!(requests * 100 < suite.cases.len() * 35, "{requests}");
+    // All files of the format that it reads, and a few of the others.
+    let judged = |format: Format| {
+        let of_format = report
+            .cases
+            .iter()
+            .filter(|result| suite.case(&result.id).expect("the case exists").format() == format);
+        of_format.count()
+    };
+    let all = |format: Format| {
+        suite
+            .cases
+            .iter()
+            .filter(|case| case.format() == format)
+            .count()
+    };
+    assert_eq!(judged(Format::Lrgb), all(Format::Lrgb));
+    assert!((4..all(Format::JpegRgb) / 2).contains(&judged(Format::JpegRgb)));
+    assert_eq!(report.scores.robustness.whole, requests);
+    let baseline = Baseline::default().compare(&report);
+    assert_eq!(baseline, BaselineComparison::default());
+
+    let plan = plan(&suite);
+    let check_all = Check {
+        asks_all: true,
+        ..Check::new(&suite, &plan)
+    };
+    let decoder = |request: &Request<'_>, _: usize| {
+        let case = suite.case(request.name).expect("the case exists");
+        Reply::from(match is_other(case) {
+            true => Answer::Unsupported,
+            false => answer_with(&[], request),
+        })
+    };
+    let all = check(&check_all, &decoder, &()).expect("a verdict").report;
+    assert_eq!(all.cases.len(), suite.cases.len());
+    assert_eq!(all.scores.correctness, report.scores.correctness);
+    assert_eq!(all.scores.breadth, report.scores.breadth);
+}
+
+#[test]
+fn files_of_another_lacking_feature_are_not_asked_either() {
+    let suite = suite_of_small_files();
+    let predicts = |case: &Case| case.compression().is_some_and(|plan| plan.predicts());
+    let (report, _) = check_decoder_without(&suite, predicts);
+    assert_eq!(report.verdict, Verdict::Pass);
+    assert_eq!(report.not_asked.keys().collect::<Vec<_>>(), ["prediction"]);
+    // A decoder that reads some of the first files may read others.
+    let (report, _) = check_decoder_without(&suite, |case| {
+        predicts(case) && case.format() == Format::JpegRgb
+    });
+    assert!(report.not_asked.is_empty(), "{:?}", report.not_asked);
+    let (report, _) = check_decoder_without(&suite, |_| false);
+    assert!(report.not_asked.is_empty() && report.verdict == Verdict::Pass);
+}
+
+#[test]
+fn the_first_tenth_of_a_run_tests_every_clause() {
+    let suite = Suite::load().expect("the suite loads");
+    let plan = plan(&suite);
+    let asked = Mutex::new(Vec::new());
+    let decoder = |request: &Request<'_>, _: usize| {
+        asked
+            .lock()
+            .expect("no panic")
+            .push(request.name.to_owned());
+        Reply::from(answer_with(&[], request))
+    };
+    let plan = RunPlan { jobs: 1, ..plan };
+    check(&Check::new(&suite, &plan), &decoder, &()).expect("a verdict");
+    let asked = asked.into_inner().expect("no panic");
+    let contact = asked.len() - suite.cases.len();
+    let first = &asked[contact..contact + suite.cases.len() / 10];
+    let clauses = |case: &Case| case.clauses.iter().cloned().collect::<Vec<_>>();
+    let tested: BTreeSet<String> = first
+        .iter()
+        .flat_map(|id| clauses(suite.case(id).expect("the case exists")))
+        .collect();
+    let all: BTreeSet<String> = suite.cases.iter().flat_map(clauses).collect();
+    let untested: Vec<&String> = all.difference(&tested).collect();
+    assert!(untested.is_empty(), "{untested:?}");
 }
 
 #[test]

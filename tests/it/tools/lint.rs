@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 
 use ptm_files::lint::codes::{ALL, Code, Severity};
 use ptm_files::lint::lint;
-use ptm_suite::cases::{Case, Expect, TableSpelling};
+use ptm_suite::cases::{Case, TableSpelling};
 
 use crate::in_process::suite;
 
@@ -16,7 +16,7 @@ fn lint_codes(case: &Case) -> BTreeSet<&'static str> {
 #[test]
 fn every_damage_that_must_be_refused_has_a_code() {
     let suite = suite();
-    let is_refused = |case: &&Case| matches!(case.expect, Expect::Reject | Expect::Refuse);
+    let is_refused = |case: &&Case| case.expect.is_refusal();
     let refused: Vec<&Case> = suite.cases.iter().filter(is_refused).collect();
     for case in &refused {
         let name = case.damage().map_or(&*case.id, |damage| &*damage.name);

@@ -281,7 +281,7 @@ impl Witness<'_> {
     }
 
     fn agreement_with_failure(&self, answer: &Answer) -> Agreement {
-        let may_be_decoded = !matches!(self.case.expect, Expect::Reject | Expect::Refuse);
+        let may_be_decoded = !self.case.expect.is_refusal();
         match (&self.observation.response, answer) {
             // A refusal is correct if the reference refuses the file as well.
             (_, Answer::Rejected) if self.expected == Answer::Rejected => Agreement::None,

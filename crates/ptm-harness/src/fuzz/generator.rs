@@ -32,8 +32,7 @@ impl DraftGenerator {
         }
         let damage = |((format, name), expects): (_, Vec<Expect>)| {
             let expect = expects[0];
-            let is_consistent = matches!(expect, Expect::Reject | Expect::Refuse)
-                && expects.iter().all(|&other| other == expect);
+            let is_consistent = expect.is_refusal() && expects.iter().all(|&other| other == expect);
             is_consistent.then_some((format, DraftDamage { name, expect }))
         };
         DraftGenerator {

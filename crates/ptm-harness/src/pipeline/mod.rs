@@ -5,7 +5,7 @@
 //!
 //!
 //! 1. First contact: what the decoder offers, faults of its wrapper, and transforms that all images have in common.
-//! 2. Requests: the prioritized cases, a first search for causes among them, and the other cases.
+//! 2. Requests: a few files of each feature, a case of every clause, and the other files of the features that the decoder has.
 //! 3. Repeats, and the verdicts.
 //! 4. The report with all verdicts. The observer writes it, because the search for causes may take long or fail.
 //! 5. The causes, and the final report.
@@ -24,15 +24,15 @@ pub mod texture;
 mod texture_unit;
 
 use std::any::Any;
+use std::collections::BTreeMap;
 use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
-use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 pub use checkable::{Checkable, FoundCauses};
-pub use observer::{Agenda, FinishedCase, FirstCauses, Observer, Stage};
+pub use observer::{Agenda, FinishedCase, FirstVerdicts, Observer, Stage};
 pub use subject::Subject;
 
 use recorder::ShardRecorder;
@@ -46,17 +46,14 @@ use crate::session::plan::RunPlan;
 use crate::session::probe::ProbeStep;
 use crate::session::remark::Remark;
 use crate::session::run::{ObservationsOf, RunOf, Session};
+use crate::session::sample::{NotAsked, Sample};
 use ptm_suite::cases::{Case, Suite};
 use ptm_suite::protocol::request::Request;
 use ptm_suite::verdicts::observation::ObservationOf;
 use ptm_suite::verdicts::outcome::Outcome;
 
-/// Minimum number of other cases for a first search among the prioritized cases. A shorter run would end before the user has read
-/// the first causes.
-const MIN_OTHER_CASES: usize = 200;
-
-/// Minimum time limit of the first search. In a long run, the limit is a tenth of the estimated duration of the run.
-const MIN_SEARCH_TIME: Duration = Duration::from_secs(2);
+/// Minimum number of cases of a run that begins with a sample. In a shorter run, all cases are requested in suite order.
+const MIN_CASES: usize = 300;
 
 /// What is checked, and how far.
 pub struct Check<'a, C: Checkable = Case> {
@@ -70,6 +67,8 @@ pub struct Check<'a, C: Checkable = Case> {
     pub undoes_transforms: bool,
     /// True if the causes of failures are searched for.
     pub finds_causes: bool,
+    /// True if all files of a feature are requested, even if the decoder answers the first of them with exit status 69.
+    pub asks_all: bool,
     /// True if a scene is requested that illustrates the report.
     pub requests_scene: bool,
     /// Recorder of the answers, if only a part of the suite is run.
@@ -83,6 +82,7 @@ impl<'a, C: Checkable> Check<'a, C> {
         Check {
             undoes_transforms: true,
             finds_causes: true,
+            asks_all: false,
             ..Check::of_answers(suite, plan)
         }
     }
@@ -96,6 +96,7 @@ impl<'a, C: Checkable> Check<'a, C> {
             circumstances: Circumstances::default(),
             undoes_transforms: false,
             finds_causes: false,
+            asks_all: true,
             requests_scene: false,
             recorder: None,
         }
@@ -179,11 +180,11 @@ pub fn check<C: Checkable>(
     let undone: Vec<&str> = undone.map(|transform| transform.view).collect();
     observer.contact_made(&contact.offer.views, &undone);
 
-    let observations = request_cases(check, &session, &contact, pace, observer);
+    let (observations, not_asked) = request_cases(check, &session, &contact, pace, observer);
 
     observer.stage_began(&Stage::Repeats);
     let repeated = |done, total| observer.request_repeated(done, total);
-    let mut run = session.verdicts(contact, observations, &repeated);
+    let mut run = session.verdicts(contact, observations, not_asked, &repeated);
     if check.finds_causes {
         // The first signal ends the requests. The next one ends the search for causes.
         plan.stop.store(false, Ordering::Relaxed);
@@ -259,18 +260,18 @@ fn add_faults<V, T, F>(contact: &mut Contact<V, T, F>, faults: &[ProbeStep], adv
     }
 }
 
-/// Requests all cases. If there are enough of them, requests the prioritized cases first and searches these for causes. `pace` is
-/// the time per request so far.
+/// Requests the cases. In a long run, a few files of each feature come first, and the other files of features that the decoder
+/// lacks are not requested. Then come the prioritized cases and a case of every clause. `pace` is the time per request so far.
+/// Returns the observations, and the features that the decoder lacks with their cases that were not requested.
 fn request_cases<C: Checkable>(
     check: &Check<C>,
     session: &Session<C>,
     contact: &ContactOf<C>,
     pace: Duration,
     observer: &dyn Observer,
-) -> ObservationsOf<C> {
-    let (prioritized, others) = session.agenda(contact);
-    let total = prioritized.len() + others.len();
-    let done = AtomicUsize::new(0);
+) -> (ObservationsOf<C>, NotAsked) {
+    let agenda = session.agenda(contact);
+    let (total, done) = (AtomicUsize::new(agenda.len()), AtomicUsize::new(0));
     let progress = |case: &C, observation: &ObservationOf<C>, _: usize, _: usize| {
         let (id, view, response) = (case.id(), &observation.view, &observation.response);
         // If transforms are undone before comparison, do not replace the recorded original answer.
@@ -285,67 +286,69 @@ fn request_cases<C: Checkable>(
             is_wrong: !observation.is_open() && response.is_certain_failure(case.expect()),
         };
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
-        observer.case_finished(&finished, done, total);
+        observer.case_finished(&finished, done, total.load(Ordering::Relaxed));
     };
     let mut observations = vec![None; check.suite.cases.len()];
-    if prioritized.is_empty() || others.len() < MIN_OTHER_CASES || !check.finds_causes {
+    if agenda.len() < MIN_CASES || check.asks_all {
         observer.stage_began(&Stage::Cases);
-        let all = [prioritized, others].concat();
-        session.request_cases(contact, &all, &mut observations, &progress);
-        return observations;
+        session.request_cases(contact, &agenda, &mut observations, &progress);
+        return (observations, Vec::new());
     }
-    let agenda = Agenda {
-        total,
-        prioritized: prioritized.len(),
-        pace,
-    };
-    observer.agenda_known(&agenda);
-    observer.stage_began(&Stage::PrioritizedCases);
-    session.request_cases(contact, &prioritized, &mut observations, &progress);
-    if !session.is_over() {
-        let mut run = session.partial_run(contact, &prioritized, &observations);
-        run.stop = Arc::default();
-        let (assumed, jobs) = (&check.circumstances.assumed, check.plan.jobs);
-        let time_limit = (agenda.time(total) / 10).max(MIN_SEARCH_TIME);
-        observer.stage_began(&Stage::FirstSearch(Arc::clone(&run.work)));
-        let found = run_with_time_limit(time_limit, &run.stop, &check.plan.stop, || {
-            search(|| C::find_causes(check.suite, &run, assumed, jobs))
-        });
-        // An incomplete search may name causes that other cases refute.
-        if !run.stop.load(Ordering::Relaxed) {
-            observer.first_causes_found(&FirstCauses {
-                judged: run.judgment.cases.iter().flatten().count(),
-                failed: run.judgment.with_outcome(Outcome::Fail).count(),
-                causes: &found.causes,
-            });
+    observer.stage_began(&Stage::Sample);
+    let mut sample = Sample::new(check.suite, &contact.offer, &agenda);
+    for feature in sample.all_features() {
+        let cases = sample.of_feature(&feature);
+        session.request_cases(contact, &cases, &mut observations, &progress);
+        if session.is_over() {
+            return (observations, sample.lacking);
         }
+        sample.withhold_if_lacking(&feature, &observations);
+        total.store(sample.cases().count(), Ordering::Relaxed);
+    }
+    let first = sample.of_every_clause(&check.plan.prioritized, &observations);
+    observer.agenda_known(&Agenda {
+        total: total.load(Ordering::Relaxed) - done.load(Ordering::Relaxed),
+        prioritized: first.len(),
+        pace,
+    });
+    observer.stage_began(&Stage::PrioritizedCases);
+    session.request_cases(contact, &first, &mut observations, &progress);
+    if !session.is_over() {
+        observer.first_verdicts(&first_verdicts(
+            check.suite,
+            session,
+            contact,
+            &observations,
+        ));
     }
     observer.stage_began(&Stage::Cases);
+    let others: Vec<usize> = sample
+        .cases()
+        .filter(|&i| observations[i].is_none())
+        .collect();
     session.request_cases(contact, &others, &mut observations, &progress);
-    observations
+    (observations, sample.lacking)
 }
 
-/// Runs `work`, which should end when `stop` is set. Sets `stop` when the time limit expires or when `end` is set.
-fn run_with_time_limit<T>(
-    time_limit: Duration,
-    stop: &AtomicBool,
-    end: &AtomicBool,
-    work: impl FnOnce() -> T,
-) -> T {
-    let (working, ended) = mpsc::channel::<()>();
-    let start = Instant::now();
-    std::thread::scope(|scope| {
-        scope.spawn(move || {
-            while ended.recv_timeout(Duration::from_millis(20)) == Err(RecvTimeoutError::Timeout) {
-                if start.elapsed() > time_limit || end.load(Ordering::Relaxed) {
-                    return stop.store(true, Ordering::Relaxed);
-                }
-            }
-        });
-        let result = work();
-        drop(working);
-        result
-    })
+/// Judges the cases that have been requested so far.
+fn first_verdicts<C: Checkable>(
+    suite: &Suite<C>,
+    session: &Session<C>,
+    contact: &ContactOf<C>,
+    observations: &ObservationsOf<C>,
+) -> FirstVerdicts {
+    let judgment = session.partial_judgment(contact, observations);
+    let mut failing_clauses = BTreeMap::new();
+    for i in judgment.with_outcome(Outcome::Fail) {
+        if let Some(clause) = suite.cases[i].clauses().first() {
+            *failing_clauses.entry(clause.clone()).or_default() += 1;
+        }
+    }
+    FirstVerdicts {
+        judged: judgment.cases.iter().flatten().count(),
+        failed: judgment.with_outcome(Outcome::Fail).count(),
+        failing_clauses,
+    }
 }
 
 /// Returns the report of a run with all verdicts, but without causes.

@@ -1,22 +1,23 @@
 //! What an observer learns during a check.
 
+use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::sync::Arc;
 use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
 use crate::pipeline::checkable::FoundCauses;
-use crate::report::document::{LikelyCause, Report};
+use crate::report::document::Report;
 
 /// A stage of a check, in order. Stages without work may be missing.
 #[derive(Clone, Debug)]
 pub enum Stage {
     /// First contact.
     FirstContact,
-    /// Requests for the prioritized cases.
+    /// Requests for a few files of each feature.
+    Sample,
+    /// Requests for the prioritized cases and for each clause.
     PrioritizedCases,
-    /// The search for causes among the prioritized cases. The counter is that of [`Stage::Search`].
-    FirstSearch(Arc<AtomicUsize>),
     /// Requests for all other cases.
     Cases,
     /// Repeated requests.
@@ -28,12 +29,12 @@ pub enum Stage {
     Search(Arc<AtomicUsize>),
 }
 
-/// The requests of a long run, which begins with prioritized cases.
+/// The requests of a long run that are still to be sent, beginning with prioritized cases and each clause.
 #[derive(Clone, Copy, Debug)]
 pub struct Agenda {
     /// Number of requests.
     pub total: usize,
-    /// Number of requests for prioritized cases.
+    /// Number of requests for prioritized cases and each clause.
     pub prioritized: usize,
     /// Time per request during first contact.
     pub pace: Duration,
@@ -59,14 +60,15 @@ pub struct FinishedCase<'a> {
     pub is_wrong: bool,
 }
 
-/// The result of the first search for causes, which other cases may refute.
-pub struct FirstCauses<'a> {
+/// The verdicts on the first cases of a run, which test every clause. Other cases may change them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FirstVerdicts {
     /// Number of cases that were judged.
     pub judged: usize,
     /// Number of cases that failed.
     pub failed: usize,
-    /// Likely causes.
-    pub causes: &'a [LikelyCause],
+    /// For each clause that is the main one of a failing case, the number of these cases.
+    pub failing_clauses: BTreeMap<String, usize>,
 }
 
 /// Observer of a check. Every method is called when something has happened, and does nothing by default.
@@ -85,8 +87,8 @@ pub trait Observer: Sync {
     /// A case is finished: `done` of `total`.
     fn case_finished(&self, _case: &FinishedCase, _done: usize, _total: usize) {}
 
-    /// The first search for causes has ended in time.
-    fn first_causes_found(&self, _first: &FirstCauses) {}
+    /// The first cases have been judged.
+    fn first_verdicts(&self, _first: &FirstVerdicts) {}
 
     /// A request was repeated: `done` of `total`.
     fn request_repeated(&self, _done: usize, _total: usize) {}

@@ -2,6 +2,7 @@
 //!
 //! A report contains no time, path or host name, so equal runs have equal reports.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::{Deserialize, Serialize};
@@ -37,6 +38,10 @@ pub struct Report {
     /// Remarks on the run as a whole.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub remarks: Vec<Remark>,
+    /// Features that the decoder lacks, each with the number of cases that were not requested for that reason. It exited with 69 for
+    /// the first files that need the feature. These cases are not in `cases`.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub not_asked: BTreeMap<String, usize>,
     /// The decoder's readings of open questions.
     pub dialect: Vec<FollowedReading>,
     /// Behavior of the decoder on files outside the specification, one entry per ruling.

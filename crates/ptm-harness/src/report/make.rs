@@ -115,6 +115,11 @@ where
         reason: run.not_a_decoder.clone(),
         scores: run.scores(features),
         remarks: remarks.chain(tolerance_remarks(run)).collect(),
+        not_asked: run
+            .not_asked
+            .iter()
+            .map(|(feature, cases)| (feature.to_string(), cases.len()))
+            .collect(),
         dialect,
         lenient: Vec::new(),
         baseline: None,

@@ -14,6 +14,7 @@ pub mod plan;
 pub mod probe;
 pub mod remark;
 pub mod run;
+pub mod sample;
 mod schedule;
 mod tally;
 pub mod texture;

@@ -9,6 +9,7 @@ pub use crate::session::asking::Session;
 use crate::session::contact::{ContactOf, FirstFile};
 use crate::session::plan::{Repeat, RunPlan, SAMPLE_INTERVAL};
 use crate::session::remark::Remark;
+use crate::session::sample::NotAsked;
 use crate::session::schedule::Requests;
 use crate::session::tally::Tally;
 use ptm_suite::cases::{Case, Expect, TableSpelling};
@@ -48,6 +49,8 @@ pub struct Run<V = View, T = Frame, D = Difference, F = Feature> {
     pub ended_early: Option<String>,
     /// The reason why the program is not a decoder, if it is not one.
     pub not_a_decoder: Option<String>,
+    /// Features that the decoder lacks, each with the cases that were not requested for that reason. They have no verdict.
+    pub not_asked: NotAsked<F>,
     /// Flag that is set when the user ends the search for causes.
     pub stop: Arc<AtomicBool>,
     /// Units of work done so far by the search for causes, at most [`MAX_WORK`](crate::diagnose::MAX_WORK).
@@ -61,18 +64,15 @@ pub type ObservationsOf<C> = Vec<Option<ObservationOf<C>>>;
 pub type Progress<'a, C = Case> = dyn Fn(&C, &ObservationOf<C>, usize, usize) + Sync + 'a;
 
 impl<C: TestCase> Session<'_, C> {
-    /// Returns the indices of the cases to request in two lists: the prioritized cases, and the others. The lists contain
-    /// selected cases and their twins, but no case that is withheld or whose views are not offered. Both lists are empty if
-    /// nothing can be requested.
-    pub(crate) fn agenda(&self, contact: &ContactOf<C>) -> (Vec<usize>, Vec<usize>) {
+    /// Returns the indices of the cases that may be requested: selected cases and their twins, but no case that is withheld or
+    /// whose views are not offered. The list is empty if nothing can be requested.
+    pub(crate) fn agenda(&self, contact: &ContactOf<C>) -> Vec<usize> {
         let (suite, plan) = (self.suite, self.plan);
         let withheld = plan.withheld_in(suite, contact.table);
-        let (mut wanted, mut soonest) = (plan.selected.clone(), plan.prioritized.clone());
-        soonest.resize(suite.cases.len(), false);
+        let mut wanted = plan.selected.clone();
         for (i, twins) in C::twins(&suite.cases).into_iter().enumerate() {
             if let (true, Some(&twin)) = (plan.selected[i], twins.first()) {
                 wanted[twin] = true;
-                soonest[twin] |= soonest[i];
             }
         }
         let is_offered = |i: usize| contact.offer.chosen_view(&suite.cases[i]).is_some();
@@ -82,7 +82,7 @@ impl<C: TestCase> Session<'_, C> {
         } else {
             0
         };
-        (0..cases).filter(is_asked).partition(|&i| soonest[i])
+        (0..cases).filter(is_asked).collect()
     }
 
     /// Requests these cases once, each in the first of its views that the decoder offers.
@@ -103,36 +103,42 @@ impl<C: TestCase> Session<'_, C> {
         requests.request_all(case_indices, observations, &finished);
     }
 
-    /// Returns the run that results if only these cases are selected. Nothing is repeated.
-    #[must_use]
-    pub fn partial_run(
+    /// Judges the selected cases that have been requested so far. Nothing is repeated.
+    pub(crate) fn partial_judgment(
         &self,
         contact: &ContactOf<C>,
-        indices: &[usize],
-        observations: &[Option<ObservationOf<C>>],
-    ) -> RunOf<C> {
-        let selected = &self.plan.selected;
+        observations: &ObservationsOf<C>,
+    ) -> Judgment {
         // Open requests will be repeated, so they have no verdict yet.
         let is_closed = |seen: &ObservationOf<C>| !seen.is_open();
-        let is_seen = |i: usize| {
-            selected[i] && indices.contains(&i) && observations[i].as_ref().is_some_and(is_closed)
-        };
-        let selected: Vec<bool> = (0..selected.len()).map(is_seen).collect();
-        let judgment = judge(self.suite, &selected, observations, &contact.offer);
-        self.run(contact.clone(), observations.to_vec(), judgment)
+        let pairs = self.plan.selected.iter().zip(observations);
+        let selected: Vec<bool> = pairs
+            .map(|(&selected, seen)| selected && seen.as_ref().is_some_and(is_closed))
+            .collect();
+        judge(self.suite, &selected, observations, &contact.offer)
     }
 
     /// Repeats the requests that exceeded the time limit, judges the observations, repeats failures, and judges again if a
-    /// response differed. `progress` is called after each repetition with the number of finished repetitions and the total.
+    /// response differed. Cases that were not requested because of a feature in `not_asked` have no verdict. `progress` is called
+    /// after each repetition with the number of finished repetitions and the total.
     #[must_use]
     pub fn verdicts(
         self,
         contact: ContactOf<C>,
         mut observations: ObservationsOf<C>,
+        mut not_asked: NotAsked,
         progress: &CountCallback,
     ) -> RunOf<C> {
         let suite = self.suite;
         let nothing = vec![false; suite.cases.len()];
+        let mut asked = self.plan.selected.clone();
+        for (_, cases) in &mut not_asked {
+            cases.retain(|&i| asked[i]);
+            for &i in &*cases {
+                asked[i] = false;
+            }
+        }
+        not_asked.retain(|(_, cases)| !cases.is_empty());
         let requests = CaseRequests {
             session: &self,
             contact: &contact,
@@ -141,10 +147,7 @@ impl<C: TestCase> Session<'_, C> {
         let end_reason = self.end_reason();
         let (selected, ended_early) = match contact.not_a_decoder {
             Some(_) => (&nothing, end_reason),
-            None => (
-                &self.plan.selected,
-                contact.end_reason.clone().or(end_reason),
-            ),
+            None => (&asked, contact.end_reason.clone().or(end_reason)),
         };
         let mut judgment = judge(suite, selected, &observations, &contact.offer);
         if ended_early.is_none() {
@@ -170,6 +173,7 @@ impl<C: TestCase> Session<'_, C> {
         let mut run = Run {
             ended_early,
             not_a_decoder,
+            not_asked,
             ..run
         };
         let offer = run.offer.clone();
@@ -226,6 +230,7 @@ impl<C: TestCase> Session<'_, C> {
             violations: self.tally.violations.load(Ordering::Relaxed),
             ended_early: None,
             not_a_decoder: None,
+            not_asked: Vec::new(),
             stop: Arc::clone(&self.plan.stop),
             work: Arc::default(),
         }
@@ -321,8 +326,12 @@ impl<V, T, D, F: Ord> Run<V, T, D, F> {
     pub fn scores(&self, features: impl Fn(usize) -> BTreeSet<F>) -> Scores {
         let count = |outcome: Outcome| self.judgment.with_outcome(outcome).count();
         let cases = self.judgment.cases.iter().enumerate();
-        let judged = cases.filter(|(_, judged)| judged.is_some());
-        let features: BTreeSet<F> = judged.flat_map(|(i, _)| features(i)).collect();
+        let judged = cases.filter_map(|(i, judged)| judged.as_ref().map(|_| i));
+        let not_asked = self
+            .not_asked
+            .iter()
+            .flat_map(|(_, cases)| cases.iter().copied());
+        let features: BTreeSet<F> = judged.chain(not_asked).flat_map(features).collect();
         let passed = count(Outcome::Pass);
         let decoded = self.judgment.decoded.intersection(&features).count();
         let fraction = |part, whole| Fraction { part, whole };

@@ -195,6 +195,7 @@ impl<'a> TextureSession<'a> {
         let observed = observations.iter().flatten();
         let open = observed.filter(|observation| observation.is_open()).count();
         let mut run = Run {
+            not_asked: Vec::new(),
             observations,
             judgment,
             first: contact.first,

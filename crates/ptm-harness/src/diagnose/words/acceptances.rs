@@ -4,7 +4,7 @@ use super::list_first;
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::rules;
 use crate::diagnose::witness::Witness;
-use ptm_suite::cases::{Case, Expect};
+use ptm_suite::cases::Case;
 use ptm_suite::verdicts::observation::Response;
 
 /// Describes acceptances, grouped by the ruling that makes the files malformed or by the violated clause, and removes them from
@@ -12,7 +12,7 @@ use ptm_suite::verdicts::observation::Response;
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
     let accepted = |&w: &usize| {
         let witness = &witnesses[w];
-        matches!(witness.case.expect, Expect::Reject | Expect::Refuse)
+        witness.case.expect.is_refusal()
             && matches!(witness.observation.response, Response::Image { .. })
     };
     let mut groups: Vec<(&str, Vec<usize>)> = Vec::new();

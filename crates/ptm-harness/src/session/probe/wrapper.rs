@@ -11,7 +11,7 @@ use crate::runner::run::Decoder;
 use crate::runner::scratch::Scratch;
 use crate::session::contact::{Contact, FirstReply};
 use crate::session::plan::RunPlan;
-use ptm_suite::cases::{Case, Expect, Suite};
+use ptm_suite::cases::{Case, Suite};
 use ptm_suite::kit::parallel::map_in_parallel;
 use ptm_suite::protocol::frame::{Answer, View};
 use ptm_suite::protocol::request::Reply;
@@ -72,9 +72,7 @@ pub fn wrapper_faults(
     let cut = map_in_parallel(decoded.len(), plan.jobs, &|_, _| (), &large);
     let mut faults: Vec<ProbeStep> = cut.into_iter().flatten().collect();
     let is_judged_refusal = |(i, case): (usize, &Case)| {
-        plan.selected[i]
-            && plan.is_requested(i)
-            && matches!(case.expect, Expect::Reject | Expect::Refuse)
+        plan.selected[i] && plan.is_requested(i) && case.expect.is_refusal()
     };
     let judges_refusals = suite.cases.iter().enumerate().any(is_judged_refusal);
     if let (true, Some(&first)) = (judges_refusals, decoded.first()) {
