@@ -1,7 +1,7 @@
 //! Files and their header fields, for misreadings that edit bytes.
 
 use ptm::Field;
-use ptm::decode::examine_as;
+use ptm::decode::fields_as;
 use ptm::reading::Reading;
 
 /// Empty list of clauses, for which [`Anatomy::respell`] selects every header field.
@@ -29,7 +29,7 @@ impl<'a> Anatomy<'a> {
     pub fn new(file: &'a [u8], reading: &Reading) -> Anatomy<'a> {
         Anatomy {
             file,
-            fields: examine_as(file, reading).0,
+            fields: fields_as(file, reading),
         }
     }
 
@@ -127,25 +127,31 @@ impl<'a> Anatomy<'a> {
         spell: fn(&str) -> Option<String>,
     ) -> EditedFile {
         let mut file = self.file.to_vec();
-        for _ in 0..40 {
-            let anatomy = Anatomy::new(&file, &Reading::SPEC);
-            let mut bytes = Vec::new();
-            let mut at = 0;
-            let matches = |field: &&Field| clauses.is_empty() || clauses.contains(&field.clause);
-            for field in anatomy.tokens().filter(matches) {
-                let text = std::str::from_utf8(&file[field.range.clone()]).unwrap_or_default();
-                if let Some(text) = spell(text) {
-                    bytes.extend_from_slice(&file[at..field.range.start]);
-                    bytes.extend_from_slice(text.as_bytes());
-                    at = field.range.end;
-                }
-            }
-            bytes.extend_from_slice(&file[at..]);
-            if bytes == file {
+        let mut respelled = self.respell_known(clauses, spell);
+        for _ in 1..40 {
+            if respelled == file {
                 break;
             }
-            file = bytes;
+            file = respelled;
+            respelled = Anatomy::new(&file, &Reading::SPEC).respell_known(clauses, spell);
         }
-        EditedFile::File(file)
+        EditedFile::File(respelled)
+    }
+
+    /// Returns the file with the text of each known header field with one of these clauses replaced.
+    fn respell_known(&self, clauses: &[&str], spell: fn(&str) -> Option<String>) -> Vec<u8> {
+        let mut bytes = Vec::with_capacity(self.file.len());
+        let mut at = 0;
+        let matches = |field: &&Field| clauses.is_empty() || clauses.contains(&field.clause);
+        for field in self.tokens().filter(matches) {
+            let text = std::str::from_utf8(&self.file[field.range.clone()]).unwrap_or_default();
+            if let Some(text) = spell(text) {
+                bytes.extend_from_slice(&self.file[at..field.range.start]);
+                bytes.extend_from_slice(text.as_bytes());
+                at = field.range.end;
+            }
+        }
+        bytes.extend_from_slice(&self.file[at..]);
+        bytes
     }
 }

@@ -29,6 +29,14 @@ fn header_length(file: &[u8]) -> usize {
     payload.map_or(file.len(), |field| field.range.start)
 }
 
+#[test]
+fn fields_do_not_depend_on_decoding() {
+    for file in suite_files(|_| true) {
+        let fields = ptm::decode::fields_as(&file, &Reading::SPEC);
+        assert_eq!(fields, ptm::decode::fields(&file).0);
+    }
+}
+
 #[track_caller]
 fn assert_decodes_or_fails(file: &[u8]) {
     if let Err(error) = decode(file) {

@@ -8,7 +8,7 @@ use super::stream_cache::decode_stream_cached;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::session::run::Run;
 use ptm::decode::lookup_table::read_newline_separator;
-use ptm::decode::{decode_as, examine_as};
+use ptm::decode::{decode_as, fields_as};
 use ptm::reading::Reading;
 use ptm::{Field, Limits, Ptm};
 use ptm_generate::Model;
@@ -202,7 +202,7 @@ impl Witness<'_> {
     /// Returns the fields of the file, up to the first error.
     pub fn fields(&self) -> &[Field] {
         self.fields
-            .get_or_init(|| examine_as(&self.built.file, &self.reading).0)
+            .get_or_init(|| fields_as(&self.built.file, &self.reading))
     }
 
     /// Returns the image in the response if it differs from the reference's image.

@@ -172,7 +172,7 @@ impl TexelLayout<'_> {
         let edits = self.edits;
         let [width, height] = self.size();
         let channels = self.header.format.channels();
-        let mut samples = Vec::new();
+        let mut samples = Vec::with_capacity(self.header.size.texels() * channels);
         for row in 0..self.header.size.height {
             for column in 0..self.header.size.width {
                 let texel = [f64::from(column), f64::from(row), width, height];

@@ -176,6 +176,16 @@ pub fn examine_streams(file: &[u8]) -> (Vec<Field>, Result<Ptm>, Option<Streams<
     (input.into_fields(), outcome, streams)
 }
 
+/// Returns the fields of `file` under a different reading of the open questions, up to the first error. Does not decode the values,
+/// so it is faster than [`examine_as`].
+pub fn fields_as(file: &[u8], reading: &Reading) -> Vec<Field> {
+    let mut input = Input::new(file);
+    // Without memory for the planes, reading ends before the streams are decoded, but after the last field.
+    let limits = Limits { memory: 0 };
+    let (Ok(_) | Err(_)) = read_map(&mut input, reading, &limits);
+    input.into_fields()
+}
+
 fn read_map<'a>(
     input: &mut Input<'a>,
     reading: &'a Reading,
