@@ -81,12 +81,13 @@ fn is_founded(
     explained: &[usize],
     left: &[usize],
 ) -> bool {
+    // Contradictions come last, because the search for them decodes large files.
     rules::explains_most_of_what_it_changes(search, set, id, explained, left)
-        && !search.is_contradicted_anywhere(&without_id(set, id), id)
         && !refusals::is_part_of_a_larger_group(search.witnesses, explained)
         && !refusals::is_single_among_others(search.witnesses, explained, left)
         && (is_shown(search, set, id, explained)
             || !rules::splits_failures_of_one_kind(search.witnesses, explained, left))
+        && !search.is_contradicted_anywhere(&without_id(set, id), id)
 }
 
 /// Returns true if the responses show how the decoder computes. An edit always reproduces images.
@@ -217,12 +218,15 @@ fn diagnose_member(
     let Some(misreading) = mistake.unrestricted_misreading() else {
         return vec![diagnose_edit(search, set, member.id, share)];
     };
+    // Only misreadings of the catalog are reported.
+    let listed = |&id: &MistakeId| Some((id, search.mistakes[id].unrestricted_misreading()?));
     let alike = member
         .alternatives
         .iter()
-        .filter(|&&other| rules::looks_the_same(search, set, [member.id, other], explained))
-        .filter(|&&other| !search.is_contradicted_anywhere(&without_id(set, member.id), other))
-        .filter_map(|&id| search.mistakes[id].unrestricted_misreading());
+        .filter_map(listed)
+        .filter(|&(other, _)| rules::looks_the_same(search, set, [member.id, other], explained))
+        .filter(|&(other, _)| !search.is_contradicted_anywhere(&without_id(set, member.id), other))
+        .map(|(_, misreading)| misreading);
     let alike: Vec<&'static Misreading> = alike.collect();
     let is_unique = alike.iter().all(|other| other.clause == misreading.clause);
     let is_observation = misreading.symptom != Symptom::Values;

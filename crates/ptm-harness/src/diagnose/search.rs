@@ -1,7 +1,7 @@
 //! Covers the failures: searches for a small set of mistakes that reproduces the decoder's responses.
 //!
 //! The set grows by one mistake at a time: the one that reproduces the most remaining failures, and that no response contradicts.
-//! If no single mistake reproduces any, or for the first time not enough, the set grows by a pair.
+//! Once, if no single mistake reproduces enough, the set may grow by a pair.
 
 use std::borrow::Cow;
 use std::collections::{BTreeMap, HashMap, HashSet};
@@ -187,7 +187,7 @@ impl<'a> Search<'a> {
                 single = self.best_single_mistake(&set, &left);
             }
             let mut grown = single.map(|single| vec![single]);
-            if grown.is_none() || !is_enough && !are_pairs_tried {
+            if !is_enough && !are_pairs_tried {
                 are_pairs_tried = true;
                 let gain = |more: &Vec<Member>| self.gain(&set, &ids_of(more), &left);
                 let pair = self.best_pair_on_images(&set, &left);
@@ -648,8 +648,9 @@ impl<'a> Search<'a> {
 
     /// Returns true if any response, also to a large file, contradicts the mistake.
     pub fn is_contradicted_anywhere(&self, set: &[MistakeId], id: MistakeId) -> bool {
-        let all: Vec<usize> = (0..self.witnesses.len()).collect();
-        self.is_contradicted_in(&all, set, id)
+        let (small, large): (Vec<usize>, Vec<usize>) =
+            (0..self.witnesses.len()).partition(|&w| self.is_small(w));
+        self.is_contradicted_in(&small, set, id) || self.is_contradicted_in(&large, set, id)
     }
 
     /// Returns true if the response to one of these cases contradicts the mistake.
