@@ -1,12 +1,11 @@
 //! Computes how a decoder that makes certain mistakes answers a case.
 
 use std::borrow::Cow;
-
 use std::ops::RangeInclusive;
 
 use super::mistake::{ChannelSubset, Mistake};
 use super::tuning::{ROUNDING_SLACK, is_few};
-use super::witness::{Witness, can_affect_file, equal_up_to_rounding, is_after_decoding};
+use super::witness::{Witness, applies_to_file, equal_up_to_rounding, is_after_decoding};
 use ptm::{Ptm, Reading};
 use ptm_mistakes::formula::{self, Edit, Edits, final_values};
 use ptm_mistakes::{Change, Misreading, Stage};
@@ -159,7 +158,7 @@ impl Witness<'_> {
             Change::Edits(edits) => edits
                 .iter()
                 .any(|edit| edit.formula.is_used_by(self.case.format())),
-            _ => can_affect_file(misreading, &self.built.file),
+            _ => applies_to_file(misreading, &self.unused_sections),
         };
         is_used && misreading.stage() <= last && mistake.affects(self.case.format())
     }

@@ -31,6 +31,8 @@ pub(super) struct Witness<'a> {
     pub case: &'a Case,
     pub observation: &'a Observation,
     pub built: Arc<Built>,
+    /// Sections of the specification that do not apply to the file.
+    pub unused_sections: Vec<&'static str>,
     pub failed: bool,
     /// Number of judged legal files of the same format.
     pub legal_files: usize,
@@ -130,6 +132,7 @@ pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, threads: usize) -> V
             case_index,
             case,
             observation,
+            unused_sections: unused_sections(&built.file),
             built,
             failed: outcome == Outcome::Fail,
             legal_files,
@@ -467,20 +470,34 @@ fn reading_in_dialect(run: &Run, dialect: &Dialect) -> Reading {
 /// matrix or compressed planes.
 #[must_use]
 pub fn can_affect_file(misreading: &Misreading, file: &[u8]) -> bool {
-    let format = &file[..file.len().min(64)];
-    let has = |word: &[u8]| format.windows(word.len()).any(|bytes| bytes == word);
-    let section = |name: &str| misreading.clause.starts_with(name);
-    if !has(b"PTM_FORMAT_") || matches!(misreading.change, Change::Bytes(_)) {
-        true
-    } else if section("2.9") {
-        has(b"RMAT_JPEG")
-    } else if section("2.5") || section("2.8") {
-        has(b"LUT")
-    } else if section("2.6") {
-        has(b"RMAT_LUM")
-    } else {
-        true
+    applies_to_file(misreading, &unused_sections(file))
+}
+
+/// Like [`can_affect_file`], for a file to which these sections of the specification do not apply.
+pub(super) fn applies_to_file(misreading: &Misreading, unused_sections: &[&str]) -> bool {
+    let mut unused = unused_sections.iter();
+    matches!(misreading.change, Change::Bytes(_))
+        || !unused.any(|section| misreading.clause.starts_with(section))
+}
+
+/// Returns the sections of the specification that do not apply to the file because of the name of its format.
+fn unused_sections(file: &[u8]) -> Vec<&'static str> {
+    let start = &file[..file.len().min(64)];
+    let has = |word: &str| {
+        let mut parts = start.windows(word.len());
+        parts.any(|part| part == word.as_bytes())
+    };
+    if !has("PTM_FORMAT_") {
+        return Vec::new();
     }
+    let needed = [
+        ("2.5", "LUT"),
+        ("2.6", "RMAT_LUM"),
+        ("2.8", "LUT"),
+        ("2.9", "RMAT_JPEG"),
+    ];
+    let unused = needed.into_iter().filter(|(_, word)| !has(word));
+    unused.map(|(section, _)| section).collect()
 }
 
 /// Returns true if a decoder can make both mistakes, that is, if they affect different steps or different decisions.
