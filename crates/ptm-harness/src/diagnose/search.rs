@@ -159,6 +159,12 @@ impl<'a> Search<'a> {
         self.select(self.failing(), |w| !self.agreement(w, set).explains())
     }
 
+    /// Returns the failing cases among `tried` that `set` does not reproduce.
+    fn unexplained_among(&self, tried: &[usize], set: &[MistakeId]) -> Vec<usize> {
+        let is_left = |w: &usize| self.witnesses[*w].failed && !self.agreement(*w, set).explains();
+        tried.iter().copied().filter(is_left).collect()
+    }
+
     /// Returns a small set of mistakes that reproduces failures. `add_candidates` adds candidates that are not in the catalog.
     pub fn run(
         &mut self,
@@ -492,20 +498,20 @@ impl<'a> Search<'a> {
     /// mistakes rarely have an effect in combination, except on a malformed file that another mistake makes readable. Edits of bytes
     /// may be kept, because they may have an effect only after another edit.
     fn visible_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
-        let relevant_ids = self.relevant_ids(w, set);
-        let alone = |&id: &MistakeId| Some((id, self.effect_alone(w, id)?));
-        let visible: Vec<(MistakeId, Effect)> = relevant_ids.iter().filter_map(alone).collect();
-        let is_explained = matches!(visible[..], [(_, effect)] if effect.agreement.explains());
+        let alone = |id: MistakeId| Some((id, self.effect_alone(w, id)?));
+        let all = self.assumed.iter().chain(set).copied();
+        let (visible, effects): (MistakeSet, Vec<Effect>) = all.filter_map(alone).unzip();
         let is_malformed = self.witnesses[w].expected == Answer::Rejected;
         if is_malformed && !visible.is_empty() {
-            return relevant_ids;
+            return self.relevant_ids(w, set);
         }
-        let are_bytes_changed = visible.iter().any(|&(id, _)| self.edits_bytes(id));
-        let is_kept = |id: &MistakeId| {
-            visible.iter().any(|(other, _)| other == id)
-                || are_bytes_changed && !is_explained && self.edits_bytes(*id)
-        };
-        relevant_ids.into_iter().filter(is_kept).collect()
+        let is_explained = matches!(effects[..], [effect] if effect.agreement.explains());
+        if is_explained || !visible.iter().any(|&id| self.edits_bytes(id)) {
+            return visible;
+        }
+        let mut kept = self.relevant_ids(w, set);
+        kept.retain(|&id| visible.contains(&id) || self.edits_bytes(id));
+        kept
     }
 
     /// Returns the effect of one mistake without the assumed ones, or `None` if it does not change the answer.
@@ -559,18 +565,14 @@ impl<'a> Search<'a> {
         hasher.finish()
     }
 
-    /// Returns the weight of the failures among `tried` that `set` reproduces only with `more`.
-    fn added_weight(&self, set: &[MistakeId], more: &[MistakeId], tried: &[usize]) -> Vec<i64> {
+    /// Returns the weight of each failure in `left` that `set` reproduces with `more`. None may be reproduced by `set` alone.
+    fn added_weight(&self, set: &[MistakeId], more: &[MistakeId], left: &[usize]) -> Vec<i64> {
         let union = [set, more].concat();
-        let added = |&w: &usize| {
-            let can_explain = more.iter().any(|&id| self.can_explain(w, id));
-            if can_explain && !self.agreement(w, set).explains() {
-                self.effect(w, &union).weight()
-            } else {
-                0
-            }
+        let added = |&w: &usize| match more.iter().any(|&id| self.can_explain(w, id)) {
+            true => self.effect(w, &union).weight(),
+            false => 0,
         };
-        tried.iter().map(added).collect()
+        left.iter().map(added).collect()
     }
 
     /// Returns the candidate in `all` that is the best addition to `set`. Tries every candidate on the cases in `tried`, and
@@ -612,8 +614,7 @@ impl<'a> Search<'a> {
         finalists: &MistakeSet,
         tried: &[usize],
     ) -> Option<Member> {
-        let is_left = |w: &usize| self.witnesses[*w].failed && !self.agreement(*w, set).explains();
-        let left: Vec<usize> = tried.iter().copied().filter(is_left).collect();
+        let left = self.unexplained_among(tried, set);
         let added = self.par_map(finalists, |&id| self.added_weight(set, &[id], &left));
         let mut ranked: Vec<(i64, usize)> = added
             .iter()
@@ -747,8 +748,9 @@ impl<'a> Search<'a> {
             !tried.iter().any(contradicts)
         };
         let possible = self.select((0..ranked.len()).collect(), |i| is_possible(ranked[i].1));
+        let left = self.unexplained_among(&tried, set);
         let best = possible.into_iter().max_by_key(|&i| {
-            let added = self.added_weight(set, &ranked[i].1, &tried);
+            let added = self.added_weight(set, &ranked[i].1, &left);
             (added.iter().sum::<i64>(), std::cmp::Reverse(i))
         })?;
         let member = |id| Member {
