@@ -473,12 +473,15 @@ impl<'a> Search<'a> {
         if self.is_interrupted() {
             return self.no_effect(w);
         }
-        let visible_mistakes = self.visible_mistakes(w, set);
-        if let [only] = visible_mistakes[..] {
-            return self.effect_alone(w, only).unwrap_or(self.no_effect(w));
-        }
-        if visible_mistakes.is_empty() {
-            return self.no_effect(w);
+        self.combined_effect(w, self.visible_mistakes(w, set))
+    }
+
+    /// Returns the effect of mistakes that change the answer, alone or together.
+    fn combined_effect(&self, w: usize, visible_mistakes: MistakeSet) -> Effect {
+        match visible_mistakes[..] {
+            [] => return self.no_effect(w),
+            [only] => return self.effect_alone(w, only).unwrap_or(self.no_effect(w)),
+            _ => {}
         }
         let cache = || self.effects.lock().unwrap_or_else(PoisonError::into_inner);
         let key = (w, visible_mistakes);
@@ -494,24 +497,29 @@ impl<'a> Search<'a> {
         *self.no_effects[w].get_or_init(|| self.compare(w, &self.witnesses[w].expected))
     }
 
-    /// Returns the mistakes in `set` and the assumed mistakes, except those that do not change the answer on their own. Such
-    /// mistakes rarely have an effect in combination, except on a malformed file that another mistake makes readable. Edits of bytes
-    /// may be kept, because they may have an effect only after another edit.
+    /// Returns the mistakes in `set` and the assumed mistakes that change the answer on their own, and then those that change it
+    /// only together with the former: mistakes about a malformed file that another mistake makes readable, and edits of bytes after
+    /// another edit.
     fn visible_mistakes(&self, w: usize, set: &[MistakeId]) -> MistakeSet {
         let alone = |id: MistakeId| Some((id, self.effect_alone(w, id)?));
         let all = self.assumed.iter().chain(set).copied();
-        let (visible, effects): (MistakeSet, Vec<Effect>) = all.filter_map(alone).unzip();
-        let is_malformed = self.witnesses[w].expected == Answer::Rejected;
-        if is_malformed && !visible.is_empty() {
-            return self.relevant_ids(w, set);
-        }
+        let (mut visible, effects): (MistakeSet, Vec<Effect>) = all.filter_map(alone).unzip();
         let is_explained = matches!(effects[..], [effect] if effect.agreement.explains());
-        if is_explained || !visible.iter().any(|&id| self.edits_bytes(id)) {
+        let is_readable = !visible.is_empty() && self.witnesses[w].expected == Answer::Rejected;
+        let are_bytes_changed = !is_explained && visible.iter().any(|&id| self.edits_bytes(id));
+        if !is_readable && !are_bytes_changed {
             return visible;
         }
-        let mut kept = self.relevant_ids(w, set);
-        kept.retain(|&id| visible.contains(&id) || self.edits_bytes(id));
-        kept
+        let unchanged = self.combined_effect(w, visible.clone()).answer;
+        let is_seen_together = |&id: &MistakeId| {
+            !visible.contains(&id)
+                && (is_readable || self.edits_bytes(id))
+                && self.combined_effect(w, with_id(&visible, id)).answer != unchanged
+        };
+        let mut others = self.relevant_ids(w, set);
+        others.retain(is_seen_together);
+        visible.extend(others);
+        visible
     }
 
     /// Returns the effect of one mistake without the assumed ones, or `None` if it does not change the answer.
@@ -647,7 +655,8 @@ impl<'a> Search<'a> {
         None
     }
 
-    /// Returns true if any response, also to a large file, contradicts the mistake.
+    /// Returns true if any response, also to a large file, contradicts the mistake. Tries small files first, because large ones are
+    /// slow.
     pub fn is_contradicted_anywhere(&self, set: &[MistakeId], id: MistakeId) -> bool {
         let (small, large): (Vec<usize>, Vec<usize>) =
             (0..self.witnesses.len()).partition(|&w| self.is_small(w));
