@@ -33,12 +33,26 @@ const NOT_A_FILE: &str = "neither a file nor a folder";
 
 /// Item yielded by [`walk`].
 pub enum WalkItem {
-    /// Path to read: a regular file in a folder, or a named path that is not skipped.
+    /// Named path to read.
     File(PathBuf),
+    /// Regular file in a folder.
+    Found(PathBuf),
     /// Path that is skipped, with the reason.
     Skipped(PathBuf, &'static str),
     /// Path that cannot be read, with the error.
     Unreadable(PathBuf, io::Error),
+}
+
+impl WalkItem {
+    /// Returns the path.
+    pub fn path(&self) -> &Path {
+        match self {
+            WalkItem::File(path)
+            | WalkItem::Found(path)
+            | WalkItem::Skipped(path, _)
+            | WalkItem::Unreadable(path, _) => path,
+        }
+    }
 }
 
 /// Path of a file or folder, and a flag that is true if the path comes from a list. Devices are read only if they are named on
@@ -100,7 +114,7 @@ fn classify_entry(folder: &Path, entry: FolderEntry) -> WalkStep {
     };
     match kind {
         kind if kind.is_symlink() => Ok(WalkItem::Skipped(path, SYMBOLIC_LINK)),
-        kind if kind.is_file() => Ok(WalkItem::File(path)),
+        kind if kind.is_file() => Ok(WalkItem::Found(path)),
         kind if kind.is_dir() => Err(path),
         _ => Ok(WalkItem::Skipped(path, NOT_A_FILE)),
     }

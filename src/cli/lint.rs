@@ -1,42 +1,49 @@
 //! Subcommand `ptm-conform lint`.
 
-use std::fs::File;
+use std::fs::{self, File, Metadata};
 use std::io::{self, BufReader, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
+use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use clap::Args;
+use glob::Pattern;
 use indicatif::ProgressBar;
 
 use super::arguments::parse_size;
 use super::collection::{MemoryPool, NamedPath, WalkItem, estimate_memory, paths, walk};
 use super::files::with_path;
+use super::lint_history::{Change, EarlierRow, EarlierRows};
 use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, MachineFormatArgs};
 use super::readers;
 use super::{CommandResult, EXIT_NOTHING_SELECTED};
 use ptm_files::lint::Lint;
 use ptm_files::lint::codes::{ALL, Severity};
-use ptm_files::lint::status::{MAGIC, Status};
+use ptm_files::lint::status::{MAGIC, Status, begins_like_a_ptm, is_named_ptm};
 use ptm_files::lint::{names::escape_name, settings::Settings};
 use ptm_files::readers::ReaderProfile;
+use ptm_suite::kit::digest::sha256;
 use ptm_suite::kit::{parallel::process_in_order, strip_os_error_code, yaml};
 
 /// Check files for errors, predict what other readers may show, and suggest fixes.
 ///
-/// Every file gets one row and one of four statuses: sound, damaged, not a PTM, or not judged. A file is not judged if it is
-/// unreadable, a symbolic link inside a folder, larger than --limit, or a PTM that has an unsupported version or exceeds the
-/// limits of the reference.
+/// In folders, files whose name ends in .ptm (in upper or lower case) or whose bytes begin with PTM_ are checked; the others are only
+/// counted. Files that you name are always checked. Every file gets one row and one of five statuses: sound, damaged, foreign
+/// (something else than a PTM), not judged, or unreadable. A file is not judged if it is a symbolic link inside a folder, larger than
+/// --limit, or a PTM that has another version or exceeds the limits of the reference. "Sound" means well-formed: a changed texel cannot
+/// be detected without a checksum.
 ///
 /// Codes are stable: PTM-E… the file breaks a rule or the reference cannot read it, PTM-W… some readers refuse it or show a
 /// different image, PTM-I… information. For example, `ptm-conform explain PTM-W102` describes a code.
 ///
-/// Exit status, the first that applies: 2 usage error, or a file cannot be read; 1 errors in a PTM (or warnings, with
-/// --deny-warnings); 3 a file is not a PTM; 4 a file was not judged; 5 there is no file; 0 all files are sound.
+/// Exit status, the first that applies: 2 usage error; 1 a file is damaged or has errors (or warnings, with --deny-warnings); 6 a file
+/// cannot be read; 3 a file is foreign; 4 a file was not judged; 5 there is no file; 0 all files are sound. With --baseline: 1 a file
+/// is newly damaged, changed, missing, or new and not sound; 0 otherwise.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint -r --format csv /archive > archive.csv\n  find /archive -name '*.ptm' -print0 | ptm-conform lint -0 -\n  ptm-conform lint --only PTM-W301 --severity PTM-W301=error table.ptm"
+    after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint -r --format csv /archive > archive.csv\n  ptm-conform lint -r --format csv --resume archive.csv /archive > whole.csv\n  ptm-conform lint -rq --baseline archive.csv /archive     # for cron: quiet if nothing has changed\n  find /archive -name '*.ptm' -print0 | ptm-conform lint -0 -\n  ptm-conform lint --only PTM-W301 --severity PTM-W301=error table.ptm"
 )]
 #[expect(clippy::struct_excessive_bools, reason = "each is a separate option")]
 pub struct LintArgs {
@@ -49,9 +56,28 @@ pub struct LintArgs {
     /// Paths in the list end with a zero byte instead of a line feed.
     #[arg(short = '0', long)]
     null: bool,
-    /// The format of the results: text, json, yaml, csv (one row per file) or sarif (2.1.0).
+    /// In folders, check the files whose name matches GLOB (such as '*.bak') instead. Repeatable.
+    #[arg(long, value_name = "GLOB", value_parser = parse_glob)]
+    name: Vec<Pattern>,
+    /// Check only part I of N. The path of a file determines its part.
+    #[arg(long, value_name = "I/N")]
+    shard: Option<Part>,
+    /// The format of the results: text, json, jsonl (a JSON record per line), yaml, csv (one row per file) or sarif (2.1.0).
     #[arg(long, value_name = "FORMAT", conflicts_with_all = ["yaml", "json"], hide_possible_values = true)]
     format: Option<RowFormat>,
+    /// Print no header row (csv).
+    #[arg(long)]
+    no_header: bool,
+    /// Continue an interrupted run: ROWS are the csv or jsonl rows that it printed. Rows of files with the same size and time are
+    /// printed again without reading the files. Use the same options as for the first run.
+    #[arg(long, value_name = "ROWS", conflicts_with = "baseline")]
+    resume: Option<PathBuf>,
+    /// With --resume, also read files of the same size and time, and compare their SHA-256 digest.
+    #[arg(long, requires = "resume")]
+    rehash: bool,
+    /// Compare with the csv or jsonl rows of an earlier run: print only what is new, changed, missing, newly damaged or repaired.
+    #[arg(long, value_name = "ROWS", conflicts_with = "format")]
+    baseline: Option<PathBuf>,
     /// Do not report this code. Repeatable.
     #[arg(long, value_name = "CODE")]
     allow: Vec<String>,
@@ -94,8 +120,15 @@ pub struct LintArgs {
 /// Number of bytes that are initially read from every file.
 const HEAD_BYTES: u64 = 4096;
 
-/// Path of a file, its lint results, and a flag that is true if the file could not be read.
-type Row = (PathBuf, Lint, bool);
+/// Result for an item of a collection.
+enum Checked {
+    /// A file that was checked.
+    File(PathBuf, Box<Lint>),
+    /// A file that has not changed since the earlier run.
+    Earlier(Box<EarlierRow>),
+    /// A file in a folder that is not checked.
+    Other,
+}
 
 pub fn run(args: &LintArgs) -> CommandResult {
     if args.codes {
@@ -111,45 +144,76 @@ pub fn run(args: &LintArgs) -> CommandResult {
     };
     let profiles = readers::load_profiles(args.profiles.as_deref())?;
     let readers = readers::select_profiles(&profiles, &args.readers)?;
-    let rows = Rows::new(format, &readers, settings.max);
+    let earlier = args.resume.as_deref().map(EarlierRows::read).transpose()?;
+    if let Some(earlier) = &earlier {
+        earlier.check_format(format)?;
+    }
+    let mut baseline = args
+        .baseline
+        .as_deref()
+        .map(EarlierRows::read)
+        .transpose()?;
+    let rows = Rows::new(format, &readers, settings.max, !args.no_header);
     let mut rows = rows.map_err(|error| error.to_string())?;
     let checker = FileChecker {
         limit: args.limit,
         memory: MemoryPool::new(args.limit.saturating_mul(2)),
         readers: &readers,
         settings: &settings,
+        args,
+        earlier: earlier.as_ref(),
+        has_checksums: format.has_columns() || baseline.is_some(),
     };
     let (bar, closed) = (progress(args), AtomicBool::new(false));
     let mut worst = 0;
+    let mut has_new_trouble = false;
     let walk = walk(named_sources(args), args.recursive);
     let walk = walk.take_while(|_| !closed.load(Relaxed));
+    let walk = walk.filter(|item| args.shard.is_none_or(|part| part.contains(item.path())));
     let rank = |status: &u8| STATUSES_WORST_FIRST.iter().position(|one| one == status);
-    process_in_order(
-        walk,
-        jobs,
-        &|item| checker.lint_item(item),
-        |(path, lint, failed)| {
-            let fails = lint.errors > 0 || (settings.deny_warnings && lint.warnings > 0);
-            let status = match lint.status {
-                _ if failed => 2,
-                Status::NotAPtm if fails => 3,
-                Status::NotJudged if fails || lint.reason.is_some() => 4,
-                _ => u8::from(fails),
-            };
-            worst = std::cmp::min_by_key(worst, status, rank);
-            let shown = bar.suspend(|| rows.show(&path, lint, failed));
-            // Stop if standard output was closed.
-            closed.fetch_or(shown.is_err(), Relaxed);
-            bar.inc(1);
-        },
-    );
-    let count = bar.position();
+    process_in_order(walk, jobs, &|item| checker.check_item(item), |checked| {
+        let (judged, shown) = match checked {
+            Checked::Other => {
+                rows.count_other();
+                return bar.inc(1);
+            }
+            Checked::Earlier(row) => {
+                let judged = (row.status, row.errors, row.warnings);
+                (judged, bar.suspend(|| rows.show_earlier(&row)))
+            }
+            Checked::File(path, lint) => {
+                let judged = (lint.status, lint.errors, lint.warnings);
+                let shown = match &mut baseline {
+                    Some(baseline) => bar.suspend(|| {
+                        let change = baseline.compare(&lint);
+                        has_new_trouble |= change.is_some_and(Change::needs_attention);
+                        rows.show_change(&lint, change)
+                    }),
+                    None => bar.suspend(|| rows.show(&path, *lint)),
+                };
+                (judged, shown)
+            }
+        };
+        let status = exit_status(judged, settings.deny_warnings);
+        worst = std::cmp::min_by_key(worst, status, rank);
+        // Stop if standard output was closed.
+        closed.fetch_or(shown.is_err(), Relaxed);
+        bar.inc(1);
+    });
     bar.finish_and_clear();
+    if let Some(baseline) = &baseline {
+        let missing = baseline.missing();
+        let _ = rows.show_missing(&missing);
+        worst = u8::from(has_new_trouble || !missing.is_empty());
+    }
     let _ = rows.end();
-    if count == 0 {
-        let hint = match args.recursive {
-            true => "",
-            false => "; -r includes subfolders",
+    if let [0, others] = rows.counts()
+        && baseline.is_none()
+    {
+        let hint = match (others, args.recursive) {
+            (0, true) => String::new(),
+            (0, false) => "; -r includes subfolders".to_owned(),
+            _ => format!(" among {others} files: none is named .ptm or begins with PTM_"),
         };
         output::print_error(&format!("ptm-conform: no file to check{hint}"));
         return Ok(EXIT_NOTHING_SELECTED);
@@ -157,8 +221,19 @@ pub fn run(args: &LintArgs) -> CommandResult {
     Ok(worst)
 }
 
-/// Exit statuses from worst to best: unreadable, errors, not a PTM, not judged, sound.
-const STATUSES_WORST_FIRST: [u8; 5] = [2, 1, 3, 4, 0];
+/// Exit statuses from worst to best: damaged, unreadable, foreign, not judged, sound.
+const STATUSES_WORST_FIRST: [u8; 5] = [1, 6, 3, 4, 0];
+
+/// Returns the exit status for a file with this status and these numbers of errors and warnings.
+fn exit_status((status, errors, warnings): (Status, usize, usize), deny_warnings: bool) -> u8 {
+    match status {
+        Status::Damaged => 1,
+        Status::Unreadable => 6,
+        Status::Foreign => 3,
+        Status::NotJudged => 4,
+        Status::Sound => u8::from(errors > 0 || deny_warnings && warnings > 0),
+    }
+}
 
 fn settings(args: &LintArgs) -> Result<Settings, String> {
     let file = match &args.config {
@@ -214,17 +289,28 @@ struct FileChecker<'a> {
     memory: MemoryPool,
     readers: &'a [&'a ReaderProfile],
     settings: &'a Settings,
+    args: &'a LintArgs,
+    /// The rows of an interrupted run.
+    earlier: Option<&'a EarlierRows>,
+    /// True if the results include the time and the digest of a file.
+    has_checksums: bool,
 }
 
 impl FileChecker<'_> {
     /// Reads and checks a file. A panic affects only the result for this file.
-    fn lint_item(&self, item: WalkItem) -> Row {
+    fn check_item(&self, item: WalkItem) -> Checked {
         let unread = |path: &Path, reason: &str| {
             let name = escape_name(path.as_os_str());
             Lint::unread(&name, None, Some(reason.to_owned()))
         };
         let (path, judged) = match item {
-            WalkItem::File(path) => {
+            WalkItem::Found(path) if !self.selects(&path) => return Checked::Other,
+            WalkItem::Skipped(path, _) if !self.selects_name(&path) => return Checked::Other,
+            WalkItem::File(path) | WalkItem::Found(path) => {
+                let earlier = self.earlier.and_then(|rows| rows.get(&path));
+                if let Some(row) = earlier.filter(|row| self.is_unchanged(&path, row)) {
+                    return Checked::Earlier(Box::new(row.clone()));
+                }
                 let judged = catch_unwind(AssertUnwindSafe(|| self.check_file(&path)));
                 let failed = |_| Err(io::Error::other("internal error in ptm-conform"));
                 let judged = judged.unwrap_or_else(failed);
@@ -233,9 +319,44 @@ impl FileChecker<'_> {
             WalkItem::Skipped(path, why) => (path.clone(), Ok(unread(&path, why))),
             WalkItem::Unreadable(path, error) => (path, Err(error)),
         };
-        let failed = judged.is_err();
-        let lint = judged.unwrap_or_else(|error| unread(&path, &strip_os_error_code(&error)));
-        (path, self.settings.apply(lint), failed)
+        let lint = judged.unwrap_or_else(|error| Lint {
+            status: Status::Unreadable,
+            ..unread(&path, &strip_os_error_code(&error))
+        });
+        Checked::File(path, Box::new(self.settings.apply(lint)))
+    }
+
+    /// Returns true if a file in a folder is checked. A file that cannot be read is checked, so that this is reported.
+    fn selects(&self, path: &Path) -> bool {
+        if self.selects_name(path) || !self.args.name.is_empty() {
+            return self.selects_name(path);
+        }
+        let mut magic = [0; MAGIC.len()];
+        let read = File::open(path).and_then(|mut file| file.read_exact(&mut magic));
+        match read {
+            Ok(()) => magic == *MAGIC,
+            Err(error) => error.kind() == io::ErrorKind::PermissionDenied,
+        }
+    }
+
+    /// Returns true if the name of a file in a folder selects it.
+    fn selects_name(&self, path: &Path) -> bool {
+        let name = path.file_name().unwrap_or_default().to_string_lossy();
+        match &self.args.name[..] {
+            [] => is_named_ptm(&name),
+            patterns => patterns.iter().any(|pattern| pattern.matches(&name)),
+        }
+    }
+
+    /// Returns true if a file has not changed since its earlier row.
+    fn is_unchanged(&self, path: &Path, row: &EarlierRow) -> bool {
+        let Ok(data) = path.metadata() else {
+            return false;
+        };
+        row.is_unchanged(data.len(), &modification_time(&data))
+            && (!self.args.rehash
+                || row.sha256.is_empty()
+                || fs::read(path).is_ok_and(|bytes| sha256(&bytes) == row.sha256))
     }
 
     /// Checks a file. If the file is a PTM, waits until there is enough memory for it and its planes.
@@ -246,14 +367,17 @@ impl FileChecker<'_> {
             Lint::unread(&name, length, Some(reason))
         };
         let mut file = File::open(path)?;
-        let length = file.metadata()?.len();
+        let data = file.metadata()?;
+        let length = data.len();
+        let modified = self.has_checksums.then(|| modification_time(&data));
         let mut bytes = Vec::with_capacity(HEAD_BYTES as usize);
         file.by_ref().take(HEAD_BYTES).read_to_end(&mut bytes)?;
-        if !bytes.starts_with(MAGIC) {
+        if !begins_like_a_ptm(&bytes) {
             // The file system does not report the real length of a pipe or device.
             let length = length.max(bytes.len() as u64);
             return Ok(Lint {
                 bytes: Some(length),
+                modified,
                 ..Lint::new(&name, &bytes)
             });
         }
@@ -270,11 +394,56 @@ impl FileChecker<'_> {
             if bytes.len() as u64 > limit {
                 return Ok(too_long(None));
             }
-            let mut lint = Lint::new(&name, &bytes);
-            lint.readers = readers::predict_readers(&bytes, self.readers);
-            Ok(lint)
+            Ok(Lint {
+                readers: readers::predict_readers(&bytes, self.readers),
+                sha256: self.has_checksums.then(|| sha256(&bytes)),
+                modified,
+                ..Lint::new(&name, &bytes)
+            })
         })
     }
+}
+
+/// Returns the time of the last change to a file in UTC, or an empty text if the system does not report it.
+fn modification_time(data: &Metadata) -> String {
+    let time = data.modified();
+    time.map_or_else(
+        |_| String::new(),
+        |time| humantime::format_rfc3339_nanos(time).to_string(),
+    )
+}
+
+/// Part I of N of a collection.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    number: u64,
+    total: u64,
+}
+
+impl Part {
+    /// Returns true if this part contains the file. The part depends only on the path.
+    fn contains(self, path: &Path) -> bool {
+        let digest = sha256(path.as_os_str().as_encoded_bytes());
+        let first = u64::from_str_radix(&digest[..16], 16).expect("a digest is hexadecimal");
+        first % self.total == self.number - 1
+    }
+}
+
+impl FromStr for Part {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Part, String> {
+        let wrong = || format!("expected a part such as 3/8, found {text:?}");
+        let (number, total) = text.split_once('/').ok_or_else(wrong)?;
+        match (number.parse(), total.parse()) {
+            (Ok(number), Ok(total)) if (1..=total).contains(&number) => Ok(Part { number, total }),
+            _ => Err(wrong()),
+        }
+    }
+}
+
+fn parse_glob(text: &str) -> Result<Pattern, String> {
+    Pattern::new(text).map_err(|error| error.to_string())
 }
 
 fn list_codes(args: &LintArgs) -> CommandResult {

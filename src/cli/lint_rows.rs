@@ -9,7 +9,11 @@ use ptm_files::lint::{codes::Severity, status::Status, totals::Totals};
 use ptm_files::readers::ReaderProfile;
 use ptm_suite::kit::yaml::to_yaml;
 
-use super::{links::add_links, output};
+use super::{
+    links::add_links,
+    lint_history::{Change, EarlierRow},
+    output,
+};
 
 /// Output format of the results.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -18,12 +22,21 @@ pub enum RowFormat {
     Text,
     /// A list with a record for each file
     Json,
+    /// A JSON record for each file, one per line
+    Jsonl,
     /// A list in YAML
     Yaml,
     /// A row for each file
     Csv,
     /// SARIF 2.1.0, for code hosts and editors
     Sarif,
+}
+
+impl RowFormat {
+    /// Returns true if the format has the time and the digest of each file.
+    pub fn has_columns(self) -> bool {
+        !matches!(self, RowFormat::Text | RowFormat::Sarif)
+    }
 }
 
 /// Printer of rows. If the run is killed, the output contains only complete rows.
@@ -45,10 +58,12 @@ impl Rows {
         format: RowFormat,
         readers: &[&ReaderProfile],
         max_findings: Option<usize>,
+        has_header: bool,
     ) -> io::Result<Rows> {
         match format {
-            RowFormat::Text | RowFormat::Yaml => {}
+            RowFormat::Text | RowFormat::Yaml | RowFormat::Jsonl => {}
             RowFormat::Json => emit("[\n")?,
+            RowFormat::Csv if !has_header => {}
             RowFormat::Csv => emit(&csv::head(readers.iter().map(|reader| &*reader.name)))?,
             RowFormat::Sarif => emit(&sarif::head())?,
         }
@@ -61,16 +76,33 @@ impl Rows {
         })
     }
 
-    /// Prints and counts the result for a file. `failed` is true if the file could not be read.
-    pub fn show(&mut self, path: &Path, mut lint: Lint, failed: bool) -> io::Result<()> {
+    /// Prints and counts a row of an earlier run.
+    pub fn show_earlier(&mut self, row: &EarlierRow) -> io::Result<()> {
+        let codes = row.codes.iter().map(String::as_str);
+        self.totals.add_row(row.status, &row.format, codes);
+        emit(&(row.line.clone() + "\n"))
+    }
+
+    /// Counts a file in a folder that is not checked.
+    pub fn count_other(&mut self) {
+        self.totals.others += 1;
+    }
+
+    /// Returns the number of checked files, and that of other files in folders.
+    pub fn counts(&self) -> [usize; 2] {
+        [self.totals.files, self.totals.others]
+    }
+
+    /// Prints and counts the result for a file.
+    pub fn show(&mut self, path: &Path, mut lint: Lint) -> io::Result<()> {
         self.totals.add(&lint);
+        let failed = lint.status == Status::Unreadable;
         // A CSV row contains every code. In other formats, each finding is a separate line.
         if self.format != RowFormat::Csv {
             lint.findings.truncate(self.max_findings);
         }
         match self.format {
-            // Many files of a collection may not be PTMs, so print only one line for each.
-            RowFormat::Text if lint.status == Status::NotAPtm => {
+            RowFormat::Text if lint.status == Status::Foreign => {
                 let found = lint.findings.first().map(|finding| finding.found.as_str());
                 let found = found.map_or(String::new(), |found| format!(": {found}"));
                 emit(&format!("{}: {}{found}\n", lint.file, lint.status.label()))
@@ -80,10 +112,36 @@ impl Rows {
                 let record = serde_json::to_string(&lint).map_err(io::Error::other)?;
                 self.print_list_items(&[record])
             }
+            RowFormat::Jsonl => {
+                let record = serde_json::to_string(&lint).map_err(io::Error::other)?;
+                emit(&(record + "\n"))
+            }
             RowFormat::Yaml => emit(&to_yaml(&[lint]).map_err(io::Error::other)?),
             RowFormat::Csv => emit(&csv::row(&lint, self.reader_count)),
             RowFormat::Sarif => self.print_list_items(&sarif::results(path, &lint, failed)),
         }
+    }
+
+    /// Prints what has changed about a file since an earlier run, and counts the file.
+    pub fn show_change(&mut self, lint: &Lint, change: Option<Change>) -> io::Result<()> {
+        self.totals.add(lint);
+        let Some(change) = change else {
+            return Ok(());
+        };
+        let details = match change.needs_attention() {
+            true => lint.to_text(Severity::Error),
+            false => String::new(),
+        };
+        emit(&format!("{}: {}\n{details}", lint.file, change.describe()))
+    }
+
+    /// Prints the files of an earlier run that are missing.
+    pub fn show_missing(&self, files: &[&str]) -> io::Result<()> {
+        let lines: String = files
+            .iter()
+            .map(|file| format!("{file}: missing\n"))
+            .collect();
+        emit(&lines)
     }
 
     /// Prints the end of the document.
@@ -94,7 +152,7 @@ impl Rows {
             RowFormat::Yaml if self.totals.files == 0 => emit("[]\n")?,
             _ => {}
         }
-        if self.totals.files > 1 && !output::is_quiet() {
+        if self.totals.files + self.totals.others > 1 && !output::is_quiet() {
             let totals = self.totals.to_text();
             match self.format {
                 RowFormat::Text => emit(&totals)?,

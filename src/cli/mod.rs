@@ -41,6 +41,7 @@ mod guard;
 mod inspect;
 mod links;
 mod lint;
+mod lint_history;
 mod lint_rows;
 #[cfg(unix)]
 mod minimize;

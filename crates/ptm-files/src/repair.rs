@@ -1,5 +1,6 @@
 //! Repairs faults that have only one possible correction:
 //!
+//! - a byte order mark, spaces or line ends before the header
 //! - spaces, tabs and line endings in the header that the specification does not allow
 //! - wrong compressed sizes, if the streams determine the correct ones
 //! - bytes after the last value
@@ -11,7 +12,7 @@
 use std::collections::HashSet;
 
 use super::dissection::{Dissection, FilePart, Role};
-use super::lint::Lint;
+use super::lint::{Lint, status::without_damaged_start};
 use super::segments::{EOI, SegmentKind, segments};
 use crate::error::{Error, Result};
 use ptm::decode::decode;
@@ -43,9 +44,13 @@ struct LenientHeader<'a> {
 pub fn repair(file: &[u8]) -> Result<RepairedFile> {
     let before = decode(file);
     let mut changes = Vec::new();
-    let mut bytes = file.to_vec();
-    if before.is_err() {
-        let header = LenientHeader::read(file)?;
+    let mut bytes = without_damaged_start(file).to_vec();
+    if bytes.len() < file.len() {
+        let removed = file.len() - bytes.len();
+        changes.push(format!("removed {removed} bytes before PTM_1.2"));
+    }
+    if decode(&bytes).is_err() {
+        let header = LenientHeader::read(&bytes)?;
         bytes = header.into_legal_file(&mut changes)?;
     }
     let dissection = Dissection::parse(&bytes);

@@ -9,8 +9,7 @@ use crate::join_texts;
 /// Returns the header row, with two columns per reader.
 #[must_use]
 pub fn head<'a>(readers: impl Iterator<Item = &'a str>) -> String {
-    const FILE_COLUMNS: &str =
-        "file,status,format,width,height,bytes,errors,warnings,infos,codes,first";
+    const FILE_COLUMNS: &str = "file,status,format,width,height,bytes,errors,warnings,infos,codes,first,sha256,modified,version,scale,bias,quality,lossless,puid,repairable";
     let file_columns = FILE_COLUMNS.split(',').map(str::to_owned);
     let reader_columns = readers.flat_map(|reader| [reader.to_owned(), format!("{reader}: how")]);
     join_cells(file_columns.chain(reader_columns))
@@ -20,12 +19,13 @@ pub fn head<'a>(readers: impl Iterator<Item = &'a str>) -> String {
 #[must_use]
 pub fn row(lint: &Lint, readers: usize) -> String {
     let number = |number: Option<u64>| number.map(|number| number.to_string()).unwrap_or_default();
+    let text = |text: &Option<String>| text.clone().unwrap_or_default();
     let mut codes: Vec<&str> = lint.findings.iter().map(|finding| finding.code).collect();
     codes.dedup();
     let first = lint.findings.first().map(Diagnostic::text);
     let file_columns = [
         lint.file.clone(),
-        lint.status.name(),
+        lint.status.name().to_owned(),
         lint.format.unwrap_or_default().to_owned(),
         number(lint.width.map(u64::from)),
         number(lint.height.map(u64::from)),
@@ -35,6 +35,17 @@ pub fn row(lint: &Lint, readers: usize) -> String {
         lint.infos.to_string(),
         codes.join(" "),
         first.or_else(|| lint.reason.clone()).unwrap_or_default(),
+        text(&lint.sha256),
+        text(&lint.modified),
+        text(&lint.metadata.version),
+        text(&lint.metadata.scale),
+        text(&lint.metadata.bias),
+        text(&lint.metadata.quality),
+        (lint.metadata.lossless).map_or(String::new(), |lossless| {
+            if lossless { "yes" } else { "no" }.to_owned()
+        }),
+        lint.metadata.puid.unwrap_or_default().to_owned(),
+        text(&lint.repairable),
     ];
     let reader_columns = (0..readers).flat_map(|reader| match lint.readers.get(reader) {
         Some(result) => [result.result.name().to_owned(), result.fault.clone()],
@@ -43,21 +54,28 @@ pub fn row(lint: &Lint, readers: usize) -> String {
     join_cells(file_columns.into_iter().chain(reader_columns))
 }
 
-fn join_cells(texts: impl Iterator<Item = String>) -> String {
+/// Joins cells to a row.
+pub fn join_cells(texts: impl Iterator<Item = String>) -> String {
     join_texts(texts.map(|text| quote_cell(&text)), ",") + "\n"
+}
+
+/// Returns the text of a cell. An apostrophe prevents spreadsheets from interpreting it as a formula.
+#[must_use]
+pub fn cell_text(text: &str) -> String {
+    const FORMULAS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
+    let is_formula = text.trim_start().starts_with(FORMULAS);
+    let apostrophe = if is_formula { "'" } else { "" };
+    apostrophe.to_owned() + &text.replace(char::is_control, " ")
 }
 
 /// Quotes a cell according to RFC 4180, and prevents spreadsheets from interpreting it as a formula.
 fn quote_cell(text: &str) -> String {
-    const FORMULAS: [char; 8] = ['=', '+', '-', '@', '＝', '＋', '－', '＠'];
     // Most cells need no quotes.
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/._:-".contains(&byte);
     if text.bytes().all(is_plain) && !text.starts_with('-') {
         return text.to_owned();
     }
-    let is_formula = text.trim_start().starts_with(FORMULAS);
-    let apostrophe = if is_formula { "'" } else { "" };
-    let text = apostrophe.to_owned() + &text.replace(char::is_control, " ");
+    let text = cell_text(text);
     match text.contains([',', ';', '"', '\'']) || text.trim() != text {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
         false => text,

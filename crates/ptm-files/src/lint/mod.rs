@@ -11,6 +11,7 @@ pub mod csv;
 pub mod diagnostic;
 mod errors;
 mod header;
+pub mod metadata;
 pub mod names;
 mod planes;
 pub mod sarif;
@@ -26,9 +27,11 @@ use serde::Serialize;
 
 use self::codes::Severity;
 use self::diagnostic::{Diagnostic, Findings};
+use self::metadata::Metadata;
 use self::status::Status;
 use crate::dissection::Dissection;
 use crate::readers::ReaderPrediction;
+use crate::repair::repair;
 use ptm::Format;
 
 /// Lint results for a file.
@@ -53,12 +56,27 @@ pub struct Lint {
     /// Reason why the file was not read; `None` if it was read or if no reason is given.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
+    /// SHA-256 digest of the file in hexadecimal, if the whole file was read and the digest was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub sha256: Option<String>,
+    /// Time of the last change to the file, in UTC (RFC 3339), if it was requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub modified: Option<String>,
+    /// Facts from the header.
+    #[serde(flatten)]
+    pub metadata: Metadata,
+    /// For a damaged file: `yes` if `convert --repair` repairs it, or the reason why it does not.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub repairable: Option<String>,
     /// Number of errors.
     pub errors: usize,
     /// Number of warnings.
     pub warnings: usize,
     /// Number of informational findings.
     pub infos: usize,
+    /// Number of errors that the settings hide. A damaged file stays damaged.
+    #[serde(skip_serializing_if = "is_zero")]
+    pub hidden_errors: usize,
     /// Predicted results of readers, if requested.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub readers: Vec<ReaderPrediction>,
@@ -66,10 +84,23 @@ pub struct Lint {
     pub findings: Vec<Diagnostic>,
 }
 
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes references")]
+fn is_zero(count: &usize) -> bool {
+    *count == 0
+}
+
 /// Returns all findings about `file`, sorted by severity and offset.
 #[must_use]
 pub fn lint(file: &[u8]) -> Vec<Diagnostic> {
     Lint::new("", file).findings
+}
+
+/// Returns the reason why a file was not judged.
+fn not_judged_reason(error: &Diagnostic) -> String {
+    match error.found.as_str() {
+        "" => error.message.to_owned(),
+        found => format!("{}; {found}", error.message),
+    }
 }
 
 impl Lint {
@@ -83,15 +114,33 @@ impl Lint {
         values::diagnose(&mut findings);
         planes::diagnose(&mut findings, streams.as_ref());
         choices::diagnose(&mut findings, streams.as_ref());
+        let status = Status::new(name, &dissection);
+        let mut reason = None;
+        // A file of another version or beyond a limit of the reference breaks no rule.
+        if status == Status::NotJudged {
+            let is_error = |finding: &Diagnostic| finding.severity == Severity::Error;
+            let error = findings.list.iter().find(|finding| is_error(finding));
+            reason = error.map(not_judged_reason);
+            findings.list.retain(|finding| !is_error(finding));
+        }
         let mut lint = Lint {
-            status: Status::new(&dissection),
+            status,
+            reason,
+            metadata: Metadata::new(&dissection),
             format: dissection.format.map(Format::name),
             width: dissection.size.map(|size| size.width),
             height: dissection.size.map(|size| size.height),
             bytes: Some(file.len() as u64),
             findings: findings.list,
-            ..Lint::unread(name, None, None)
+            file: name.to_owned(),
+            ..Lint::default()
         };
+        if status == Status::Damaged {
+            lint.repairable = Some(match repair(file) {
+                Ok(_) => "yes".to_owned(),
+                Err(why) => format!("no: {why}"),
+            });
+        }
         lint.sort_and_count();
         lint
     }
@@ -154,7 +203,17 @@ impl Lint {
             count(self.warnings, "warning"),
             count(self.infos, "info"),
         ];
-        let details = self.reason.clone().unwrap_or_else(|| counts.join(", "));
+        let mut details = self.reason.clone().unwrap_or_else(|| counts.join(", "));
+        if self.hidden_errors > 0 {
+            let _ = write!(
+                details,
+                " ({} not shown)",
+                count(self.hidden_errors, "error")
+            );
+        }
+        if self.repairable.as_deref() == Some("yes") {
+            details += "; repairable with `ptm-conform convert --repair`";
+        }
         format!("{}: {}: {details}\n", self.file, self.status.label())
     }
 

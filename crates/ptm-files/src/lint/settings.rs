@@ -6,6 +6,7 @@ use serde::Deserialize;
 
 use super::Lint;
 use super::codes::{Code, Severity};
+use super::diagnostic::Diagnostic;
 use crate::error::{Error, Result};
 
 /// Selection of findings, from options and configuration files.
@@ -55,11 +56,14 @@ impl Settings {
     /// Removes findings that should not be reported and applies the severities.
     #[must_use]
     pub fn apply(&self, mut lint: Lint) -> Lint {
+        let errors = lint.errors;
         let contains = |codes: &[String], code: &str| codes.iter().any(|other| other == code);
         lint.findings.retain(|finding| {
             !contains(&self.allow, finding.code)
                 && (self.only.is_empty() || contains(&self.only, finding.code))
         });
+        let is_error = |finding: &&Diagnostic| finding.severity == Severity::Error;
+        lint.hidden_errors = errors - lint.findings.iter().filter(is_error).count();
         for finding in &mut lint.findings {
             if let Some(&severity) = self.severity.get(finding.code) {
                 finding.severity = severity;

@@ -1,4 +1,4 @@
-//! Status of a file: sound, damaged, not a PTM, or not judged.
+//! Status of a file: sound, damaged, foreign, not judged, or unreadable.
 
 use serde::Serialize;
 
@@ -14,22 +14,26 @@ pub const MAGIC: &[u8] = b"PTM_";
 pub enum Status {
     /// The reference can read the file.
     Sound,
-    /// The file does not begin with [`MAGIC`].
-    NotAPtm,
-    /// The file begins with [`MAGIC`] but violates a rule of the format.
+    /// The file is something else than a PTM.
+    Foreign,
+    /// The file begins like a PTM, perhaps after a damaged first line, but violates a rule of the format; or it is empty and named
+    /// `.ptm`.
     Damaged,
     /// The file was not read, is a PTM of another version, or is not supported by the reference.
     #[default]
     NotJudged,
+    /// Reading the file failed.
+    Unreadable,
 }
 
 impl Status {
     /// All statuses, in the order in which totals are printed.
-    pub const ALL: [Status; 4] = [
+    pub const ALL: [Status; 5] = [
         Status::Sound,
         Status::Damaged,
-        Status::NotAPtm,
+        Status::Foreign,
         Status::NotJudged,
+        Status::Unreadable,
     ];
 
     /// Returns the human-readable name.
@@ -37,29 +41,63 @@ impl Status {
     pub const fn label(self) -> &'static str {
         match self {
             Status::Sound => "sound",
-            Status::NotAPtm => "not a PTM",
+            Status::Foreign => "foreign",
             Status::Damaged => "damaged",
             Status::NotJudged => "not judged",
+            Status::Unreadable => "unreadable",
         }
     }
 
     /// Returns the machine-readable name, as it is serialized.
     #[must_use]
-    pub fn name(self) -> String {
-        self.label().to_lowercase().replace(' ', "-")
+    pub const fn name(self) -> &'static str {
+        match self {
+            Status::NotJudged => "not-judged",
+            status => status.label(),
+        }
     }
 
-    /// Determines the status of a dissected file.
+    /// Returns the status with this machine-readable name.
     #[must_use]
-    pub fn new(dissection: &Dissection) -> Status {
+    pub fn from_name(name: &str) -> Option<Status> {
+        let mut all = Status::ALL.into_iter();
+        all.find(|status| status.name() == name)
+    }
+
+    /// Determines the status of a dissected file with this name.
+    #[must_use]
+    pub fn new(name: &str, dissection: &Dissection) -> Status {
+        let file = dissection.file;
         match &dissection.outcome {
             Ok(_) => Status::Sound,
-            Err(_) if !dissection.file.starts_with(MAGIC) => Status::NotAPtm,
-            Err(_) if is_another_version(dissection.file) => Status::NotJudged,
+            Err(_) if file.is_empty() && is_named_ptm(name) => Status::Damaged,
+            Err(_) if !begins_like_a_ptm(file) => Status::Foreign,
+            Err(_) if is_another_version(file) => Status::NotJudged,
             Err(error) if error.class() != Class::Malformed => Status::NotJudged,
             Err(_) => Status::Damaged,
         }
     }
+}
+
+/// Returns true if the name ends in `.ptm`, in upper or lower case.
+#[must_use]
+pub fn is_named_ptm(name: &str) -> bool {
+    let start = name.len().saturating_sub(4);
+    let end = name.as_bytes().get(start..).unwrap_or_default();
+    end.eq_ignore_ascii_case(b".ptm")
+}
+
+/// Returns true if the file begins with [`MAGIC`], perhaps after a byte order mark, spaces or line ends.
+#[must_use]
+pub fn begins_like_a_ptm(file: &[u8]) -> bool {
+    without_damaged_start(file).starts_with(MAGIC)
+}
+
+/// Returns the file without a byte order mark, spaces and line ends at its beginning.
+#[must_use]
+pub fn without_damaged_start(file: &[u8]) -> &[u8] {
+    let file = file.strip_prefix(b"\xef\xbb\xbf").unwrap_or(file);
+    file.trim_ascii_start()
 }
 
 /// Returns true if the first line names a version other than 1.2, such as `PTM_1.1`.
@@ -82,9 +120,11 @@ mod tests {
         const SOUND_FILE: &[u8] =
             b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\nabcdefrgb";
         for (file, status) in [
-            (&b""[..], Status::NotAPtm),
-            (b"P6\n1 1\n255\n...", Status::NotAPtm),
-            (b"ptm_1.2\nPTM_FORMAT_LRGB\n", Status::NotAPtm),
+            (&b""[..], Status::Damaged),
+            (b"P6\n1 1\n255\n...", Status::Foreign),
+            (b"ptm_1.2\nPTM_FORMAT_LRGB\n", Status::Foreign),
+            (b"\nPTM_1.2\nPTM_FORMAT_LRGB\n", Status::Damaged),
+            (b"\xef\xbb\xbfPTM_1.2\n", Status::Damaged),
             (b"PTM_1.1\nPTM_FORMAT_LRGB\n", Status::NotJudged),
             (b"PTM_12.10 \n", Status::NotJudged),
             (b"PTM_1.1", Status::Damaged),
@@ -93,7 +133,7 @@ mod tests {
             (b"PTM_1.2\n", Status::Damaged),
             (SOUND_FILE, Status::Sound),
         ] {
-            assert_eq!(Status::new(&Dissection::parse(file)), status);
+            assert_eq!(Status::new("a.PTM", &Dissection::parse(file)), status);
         }
     }
 }

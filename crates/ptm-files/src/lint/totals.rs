@@ -11,22 +11,34 @@ pub struct Totals {
     /// Number of files.
     pub files: usize,
     statuses: BTreeMap<Status, usize>,
-    formats: BTreeMap<&'static str, usize>,
+    formats: BTreeMap<String, usize>,
     /// Number of files with each lint code.
-    codes: BTreeMap<&'static str, usize>,
+    codes: BTreeMap<String, usize>,
+    /// Number of files in folders that are neither named `.ptm` nor begin like a PTM.
+    pub others: usize,
 }
 
 impl Totals {
     /// Counts a file.
     pub fn add(&mut self, lint: &Lint) {
-        self.files += 1;
-        *self.statuses.entry(lint.status).or_default() += 1;
-        if let Some(format) = lint.format {
-            *self.formats.entry(format).or_default() += 1;
-        }
         let codes = lint.findings.iter().map(|finding| finding.code);
+        self.add_row(lint.status, lint.format.unwrap_or_default(), codes);
+    }
+
+    /// Counts a file with this status, format (empty if unknown) and these lint codes.
+    pub fn add_row<'a>(
+        &mut self,
+        status: Status,
+        format: &str,
+        codes: impl Iterator<Item = &'a str>,
+    ) {
+        self.files += 1;
+        *self.statuses.entry(status).or_default() += 1;
+        if !format.is_empty() {
+            *self.formats.entry(format.to_owned()).or_default() += 1;
+        }
         for code in codes.collect::<BTreeSet<&str>>() {
-            *self.codes.entry(code).or_default() += 1;
+            *self.codes.entry(code.to_owned()).or_default() += 1;
         }
     }
 
@@ -42,6 +54,13 @@ impl Totals {
         let statuses =
             Status::ALL.map(|status| format!("{} {}", self.count(status), status.label()));
         let mut out = format!("{} files: {}\n", self.files, statuses.join(", "));
+        if self.others > 0 {
+            let others = self.others;
+            let _ = writeln!(
+                out,
+                "{others} other files in folders, neither named .ptm nor beginning with PTM_, were not checked"
+            );
+        }
         let width = self.files.to_string().len();
         for (format, count) in &self.formats {
             let _ = writeln!(out, "  {count:width$}  {format}");

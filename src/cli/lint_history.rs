@@ -1,0 +1,261 @@
+//! Rows of an earlier `lint`: for continuing an interrupted run, and for comparing two runs.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+use std::fs;
+use std::path::Path;
+
+use ptm_files::lint::csv::{cell_text, head};
+use ptm_files::lint::status::Status;
+use ptm_files::lint::{Lint, names::escape_name};
+
+use super::files::with_path;
+use super::lint_rows::RowFormat;
+
+/// A row of an earlier run.
+#[derive(Clone, Debug)]
+pub struct EarlierRow {
+    /// The row as it was printed, without its line feed.
+    pub line: String,
+    pub status: Status,
+    pub format: String,
+    pub codes: Vec<String>,
+    pub errors: usize,
+    pub warnings: usize,
+    bytes: Option<u64>,
+    modified: String,
+    pub sha256: String,
+    /// True if the file was seen again.
+    is_seen: bool,
+}
+
+impl EarlierRow {
+    /// Returns true if the file has the size and the time of its row.
+    pub fn is_unchanged(&self, bytes: u64, modified: &str) -> bool {
+        // A file that could not be read may be readable now.
+        self.status != Status::Unreadable && self.bytes == Some(bytes) && self.modified == modified
+    }
+}
+
+/// The rows of an earlier run, by file.
+pub struct EarlierRows {
+    format: RowFormat,
+    rows: HashMap<String, EarlierRow>,
+}
+
+impl EarlierRows {
+    /// Reads the rows that `lint --format csv` or `--format jsonl` printed to a file. A last line without a line feed, which an
+    /// interrupted run may leave, is ignored.
+    pub fn read(path: &Path) -> Result<EarlierRows, String> {
+        let text = fs::read(path).map_err(with_path(path))?;
+        let text = String::from_utf8_lossy(&text);
+        let mut lines = text
+            .split_inclusive('\n')
+            .enumerate()
+            .filter_map(|(number, line)| {
+                let line = line.strip_suffix('\n')?;
+                (!line.trim().is_empty()).then_some((number + 1, line))
+            });
+        let is_json = text.starts_with('{');
+        let columns: Vec<String> = match is_json {
+            true => Vec::new(),
+            false => lines
+                .next()
+                .map_or_else(Vec::new, |(_, line)| split_row(line)),
+        };
+        let expected = head(std::iter::empty());
+        if !is_json && !columns.starts_with(&split_row(expected.trim_end())) && !text.is_empty() {
+            return Err(with_path(path)(
+                "not the rows of `lint --format csv` or `--format jsonl` of this version",
+            ));
+        }
+        let mut rows = HashMap::new();
+        for (number, line) in lines {
+            let row = match is_json {
+                true => row_of_json(line),
+                false => row_of_cells(&columns, line),
+            };
+            let wrong = || with_path(path)(format!("line {number} is not a row"));
+            let (file, row) = row.ok_or_else(wrong)?;
+            rows.insert(file, row);
+        }
+        Ok(EarlierRows {
+            format: if is_json {
+                RowFormat::Jsonl
+            } else {
+                RowFormat::Csv
+            },
+            rows,
+        })
+    }
+
+    /// Returns an error if rows in `format` cannot continue these.
+    pub fn check_format(&self, format: RowFormat) -> Result<(), String> {
+        match self.rows.is_empty() || self.format == format {
+            true => Ok(()),
+            false => Err(format!(
+                "--resume needs the format of the earlier rows: --format {}",
+                if self.format == RowFormat::Csv {
+                    "csv"
+                } else {
+                    "jsonl"
+                }
+            )),
+        }
+    }
+
+    /// Returns the earlier row of a file.
+    pub fn get(&self, path: &Path) -> Option<&EarlierRow> {
+        self.rows.get(&self.key(&escape_name(path.as_os_str())))
+    }
+
+    fn key(&self, name: &str) -> String {
+        match self.format {
+            RowFormat::Csv => cell_text(name),
+            _ => name.to_owned(),
+        }
+    }
+
+    /// Compares the result for a file with its earlier row, and returns what has changed.
+    pub fn compare(&mut self, lint: &Lint) -> Option<Change> {
+        let key = self.key(&lint.file);
+        let Entry::Occupied(mut row) = self.rows.entry(key) else {
+            return Some(Change::New(lint.status));
+        };
+        let row = row.get_mut();
+        row.is_seen = true;
+        let has_changed = match (&lint.sha256, row.sha256.as_str()) {
+            (Some(digest), before) if !before.is_empty() => digest != before,
+            _ => lint.bytes != row.bytes,
+        };
+        match (row.status, lint.status) {
+            (before, now) if before != now && now == Status::Damaged => Some(Change::Damaged),
+            (Status::Damaged, Status::Sound) => Some(Change::Repaired),
+            (before, now) if before != now => Some(Change::Status(before, now)),
+            _ => has_changed.then_some(Change::Changed),
+        }
+    }
+
+    /// Returns the files of the earlier run that were not seen again, in order.
+    pub fn missing(&self) -> Vec<&str> {
+        let missing = self.rows.iter().filter(|(_, row)| !row.is_seen);
+        let mut missing: Vec<&str> = missing.map(|(file, _)| file.as_str()).collect();
+        missing.sort_unstable();
+        missing
+    }
+}
+
+/// What has changed about a file since an earlier run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// The file is new, and has this status.
+    New(Status),
+    /// The content has changed, but not the status.
+    Changed,
+    /// The file was not damaged before.
+    Damaged,
+    /// The file was damaged before, and is sound now.
+    Repaired,
+    /// The status has changed in another way.
+    Status(Status, Status),
+}
+
+impl Change {
+    /// Returns true if somebody should look at the file.
+    pub fn needs_attention(self) -> bool {
+        match self {
+            Change::New(status) | Change::Status(_, status) => status != Status::Sound,
+            Change::Changed | Change::Damaged => true,
+            Change::Repaired => false,
+        }
+    }
+
+    /// Describes the change.
+    pub fn describe(self) -> String {
+        match self {
+            Change::New(status) => format!("new, {}", status.label()),
+            Change::Changed => "changed".to_owned(),
+            Change::Damaged => "newly damaged".to_owned(),
+            Change::Repaired => "repaired".to_owned(),
+            Change::Status(before, now) => format!("was {}, is {}", before.label(), now.label()),
+        }
+    }
+}
+
+fn row_of_cells(columns: &[String], line: &str) -> Option<(String, EarlierRow)> {
+    let cells = split_row(line);
+    if cells.len() != columns.len() {
+        return None;
+    }
+    let cell = |name: &str| {
+        let column = columns.iter().position(|column| column == name)?;
+        Some(cells[column].clone())
+    };
+    let row = EarlierRow {
+        line: line.to_owned(),
+        status: Status::from_name(&cell("status")?)?,
+        format: cell("format")?,
+        codes: cell("codes")?
+            .split_whitespace()
+            .map(str::to_owned)
+            .collect(),
+        errors: cell("errors")?.parse().ok()?,
+        warnings: cell("warnings")?.parse().ok()?,
+        bytes: cell("bytes")?.parse().ok(),
+        modified: cell("modified")?,
+        sha256: cell("sha256")?,
+        is_seen: false,
+    };
+    Some((cell("file")?, row))
+}
+
+fn row_of_json(line: &str) -> Option<(String, EarlierRow)> {
+    let record: serde_json::Value = serde_json::from_str(line).ok()?;
+    let text = |name: &str| record[name].as_str().unwrap_or_default().to_owned();
+    let count = |name: &str| record[name].as_u64().map(|count| count as usize);
+    let codes = record["findings"].as_array()?.iter();
+    let row = EarlierRow {
+        line: line.to_owned(),
+        status: Status::from_name(record["status"].as_str()?)?,
+        format: text("format"),
+        codes: codes
+            .filter_map(|finding| finding["code"].as_str().map(str::to_owned))
+            .collect(),
+        errors: count("errors")?,
+        warnings: count("warnings")?,
+        bytes: record["bytes"].as_u64(),
+        modified: text("modified"),
+        sha256: text("sha256"),
+        is_seen: false,
+    };
+    Some((record["file"].as_str()?.to_owned(), row))
+}
+
+/// Splits a row of comma-separated cells, which may be quoted. No cell contains a line feed.
+fn split_row(line: &str) -> Vec<String> {
+    let mut cells = vec![String::new()];
+    let mut is_quoted = false;
+    let mut characters = line.trim_end_matches('\r').chars().peekable();
+    while let Some(character) = characters.next() {
+        let cell = cells.last_mut().expect("there is always a cell");
+        match character {
+            '"' if is_quoted && characters.next_if_eq(&'"').is_some() => cell.push('"'),
+            '"' => is_quoted = !is_quoted,
+            ',' if !is_quoted => cells.push(String::new()),
+            _ => cell.push(character),
+        }
+    }
+    cells
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quoted_cells_are_split() {
+        let cells = split_row("a,\"b, \"\"c\"\"\",,d");
+        assert_eq!(cells, ["a", "b, \"c\"", "", "d"]);
+        assert_eq!(split_row(""), [""]);
+    }
+}
