@@ -101,7 +101,7 @@ fn state_leak_is_reported_with_the_previous_file() {
     one.assert_exit(1, "");
     assert_eq!(one.report, two.report);
     let says = one.case("header-plain-ptm-lut")["says"].as_str();
-    let expected = "in serve mode, after  && state may leak between files";
+    let expected = "in serve mode (the previous request was  && state may leak between files";
     assert_contains(says.unwrap_or_default(), expected);
 }
 

@@ -98,7 +98,7 @@ serves-exit-codes | 1 | --serve --jobs 1 | 2 | expected the refusal code 65
 serves-five-times | 1 | --serve --jobs 1 | 2 | ended (exit status 0) without an answer; it had answered 5 requests
 serves-five-times-and-ignores-the-rest | 0 | --timeout 2 --serve --jobs 1 | none | exceeded the time limit of 2 s (`--timeout`) on && the time is no failure
 serves-until-lum
-  | 1 | --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | in serve mode, after first-rgb: crash: the serving process ended (killed by signal 6)
+  | 1 | --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | in serve mode (the previous request was first-rgb): crash: the serving process ended (killed by signal 6)
 serves-and-hangs-at-lum
   | 1 | --timeout 2 --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | exceeds the time limit of 6 s (`--timeout`)
 serves-and-hoards | 1 | --serve --jobs 1 --memory 250M | some | out of memory: the processes of the program used more than 250 MiB

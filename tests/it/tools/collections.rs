@@ -22,6 +22,15 @@ fn lint_csv(here: &Workspace, line: &str) -> Vec<Vec<String>> {
     parse_csv(&String::from_utf8(output.stdout).expect("UTF-8"))
 }
 
+/// Runs the program, which may find damaged files, and returns what it prints.
+fn printed(here: &Workspace, line: &str) -> String {
+    let output = here.command(line).output().expect("the program starts");
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+/// Number of columns without predictions.
+const COLUMNS: usize = 20;
+
 /// Parses CSV according to RFC 4180. Cells contain no line feeds, so every line is a row.
 fn parse_csv(text: &str) -> Vec<Vec<String>> {
     let row = |line: &str| {
@@ -39,7 +48,7 @@ fn parse_csv(text: &str) -> Vec<Vec<String>> {
                 _ => cell.push(character),
             }
         }
-        assert!(!quoted && cells.len() == 11, "{line}");
+        assert!(!quoted && cells.len() == COLUMNS, "{line}");
         cells
     };
     text.lines().map(row).collect()
@@ -71,7 +80,7 @@ fn memory_does_not_grow_with_the_number_of_files() {
         let (linted, memory) = run_measured(command, Path::new("no report"));
         let rows = parse_csv(&linted.text);
         assert_eq!(rows.len(), 1 + files);
-        for (status, quarter) in [("sound", 2), ("damaged", 1), ("not-a-ptm", 1)] {
+        for (status, quarter) in [("sound", 2), ("damaged", 1), ("foreign", 1)] {
             let count = rows.iter().filter(|row| row[1] == status).count();
             assert_eq!(count, files / 4 * quarter, "{status}");
         }
@@ -99,6 +108,159 @@ fn killed_lint_leaves_complete_rows() {
         seen.push(parse_csv(&text).len());
     }
     println!("rows before the kill: {seen:?}");
+}
+
+/// Prints the rows of the collection in `files` to `out`, and kills the program after `pause`.
+fn lint_until_killed(here: &Workspace, options: &str, out: &str, pause: Duration) {
+    let mut command = here.command(&format!("lint -r {options} files"));
+    command.stdout(File::create(here.path(out)).expect("a file"));
+    let mut child = command.stderr(Stdio::null()).spawn().expect("it starts");
+    std::thread::sleep(pause);
+    child.kill().expect("it can be killed");
+    child.wait().expect("it exits");
+}
+
+#[test]
+fn killed_runs_are_continued_with_the_same_rows() {
+    let here = Workspace::new();
+    write_collection(&here, "files", 3000);
+    for format in ["csv", "jsonl"] {
+        let whole = printed(&here, &format!("lint -rq --format {format} files"));
+        let mut rows = String::new();
+        for round in 0..10 {
+            let mut options = format!("--format {format}");
+            if round > 0 {
+                here.write("rows", &rows);
+                options += " --resume rows";
+            }
+            let pause = Duration::from_millis(5 + 13 * round);
+            lint_until_killed(&here, &options, "out", pause);
+            let text = here.text("out");
+            assert!(whole.starts_with(&text), "a row is missing or differs");
+            // A killed run may have printed fewer rows than the run that it continued.
+            if text.len() > rows.len() {
+                rows = text;
+            }
+        }
+        here.write("rows", &rows);
+        let line = format!("lint -rq --format {format} --resume rows files");
+        assert_eq!(printed(&here, &line), whole);
+    }
+}
+
+#[test]
+fn only_changed_files_are_read_again() {
+    let here = Workspace::new();
+    write_collection(&here, "files", 8);
+    let rows = |line: &str| printed(&here, line);
+    let before = rows("lint -r --format csv files");
+    // A mark in an old row shows that the row was not computed again.
+    let marked = before.replace("PTM-E070", "PTM-E070 old");
+    assert_ne!(marked, before);
+    here.write("rows.csv", &marked);
+    assert_eq!(rows("lint -r --format csv --resume rows.csv files"), marked);
+    assert_eq!(
+        rows("lint -r --format csv --resume rows.csv --rehash files"),
+        marked
+    );
+    fs::write(here.path("files/0/1.ptm"), b"PTM_1.2\n").expect("a file");
+    let after = rows("lint -r --format csv --resume rows.csv files");
+    assert_eq!(
+        after,
+        rows("lint -r --format csv files").replace("PTM-E070", "PTM-E070 old")
+    );
+    here.assert_lines(
+        "
+2 | lint --resume rows.csv --format jsonl files | --format csv
+2 | lint --resume files/0/1.ptm --format csv files | not the rows
+2 | lint --resume none.csv --format csv files | none.csv",
+    );
+}
+
+#[test]
+fn a_baseline_reports_changes_only() {
+    let here = Workspace::new();
+    write_collection(&here, "files", 8);
+    for format in ["csv", "jsonl"] {
+        let rows = printed(&here, &format!("lint -r --format {format} files"));
+        here.write(format, rows);
+    }
+    here.assert_lines(
+        "
+0 | lint -rq --baseline csv files |
+0 | lint -rq --baseline jsonl files |",
+    );
+    let quiet = here.command("lint -rq --baseline csv files").output();
+    let quiet = quiet.expect("the program starts");
+    assert_eq!((quiet.stdout, quiet.stderr), (Vec::new(), Vec::new()));
+
+    let sound = fs::read(here.path("files/0/0.ptm")).expect("a file");
+    here.write("files/0/1.ptm", &sound);
+    here.write("files/0/4.ptm", &sound[..sound.len() - 1]);
+    here.write("files/0/new.ptm", &sound);
+    let mut changed = sound.clone();
+    *changed.last_mut().expect("a byte") ^= 1;
+    here.write("files/0/0.ptm", &changed);
+    fs::remove_file(here.path("files/0/7.ptm")).expect("a file");
+    for format in ["csv", "jsonl"] {
+        let output = here
+            .command(&format!("lint -rq --baseline {format} files"))
+            .output();
+        let output = output.expect("the program starts");
+        let text = String::from_utf8(output.stdout).expect("UTF-8");
+        for line in [
+            "files/0/0.ptm: changed\n",
+            "files/0/1.ptm: repaired\n",
+            "files/0/4.ptm: newly damaged\n",
+            "files/0/new.ptm: new, sound\n",
+            "files/0/7.ptm: missing\n",
+        ] {
+            assert!(text.contains(line), "{line} is not in:\n{text}");
+        }
+        assert_eq!(output.status.code(), Some(1));
+    }
+}
+
+#[test]
+fn parts_contain_every_file_once() {
+    let here = Workspace::new();
+    write_collection(&here, "files", 40);
+    let rows = |options: &str| {
+        let line = format!("lint -r --format csv --no-header {options} files");
+        let text = printed(&here, &line);
+        let mut rows: Vec<String> = text.lines().map(str::to_owned).collect();
+        rows.sort_unstable();
+        rows
+    };
+    let parts = ["--shard 1/3", "--shard 2/3", "--shard 3/3"].map(rows);
+    assert!(parts.iter().all(|part| part.len() > 4));
+    let mut all = parts.concat();
+    all.sort_unstable();
+    assert_eq!(all, rows(""));
+}
+
+#[test]
+fn photographs_beside_maps_are_counted_only() {
+    let here = Workspace::new();
+    here.copy_from_corpus("lrgb/first-lrgb.ptm");
+    let map = fs::read(here.path("first-lrgb.ptm")).expect("a file");
+    here.write("files/IMG_0.JPG", b"\xff\xd8\xff");
+    here.write("files/map without a suffix", &map);
+    here.write("files/COIN.PTM", &map);
+    here.write("files/line.ptm", [b"\n", &map[..]].concat());
+    here.write("files/module.ptm", b"\x60PTM module");
+    here.write("files/coin.ptm.bak", &map);
+    here.assert_lines(
+        "
+1 | lint -r files | 1 other files in folders, neither named .ptm nor beginning with PTM_, were not checked
+1 | lint -r files | files/line.ptm: damaged: 1 error, 0 warnings, 0 infos; repairable
+1 | lint -r files | files/module.ptm: foreign
+0 | lint -r files --name '*.bak' | sound: 0 errors
+5 | lint -r files --name *.none | no file to check among 6 files
+3 | lint files/IMG_0.JPG | foreign
+0 | convert --repair files/line.ptm -o repaired.ptm | removed 1 bytes before PTM_1.2",
+    );
+    assert_eq!(fs::read(here.path("repaired.ptm")).expect("a file"), map);
 }
 
 /// File names that could harm programs that print them.
@@ -176,7 +338,7 @@ fn python_reads_the_rows() {
     let text = stdout(python.args(["-c", code]).arg(here.path("rows.csv")));
     assert_eq!(
         text.trim(),
-        format!("{} {{11}} {{'damaged'}}", HOSTILE_NAMES.len())
+        format!("{} {{{COLUMNS}}} {{'damaged'}}", HOSTILE_NAMES.len())
     );
 }
 
@@ -196,7 +358,8 @@ fn special_and_large_files_are_listed_but_not_read() {
     let target = repository("corpus/lrgb/first-lrgb.ptm");
     symlink(target, here.path("files/link.ptm")).expect("a link");
     symlink(".", here.path("files/round")).expect("a link");
-    here.write("files/inner/empty", b"");
+    here.write("files/inner/empty.PTM", b"");
+    here.write("files/inner/photograph.jpg", b"JFIF");
     let found = |line: &str| {
         let row = |row: &Vec<String>| format!("{} {}", row[0], row[1]);
         lint_csv(&here, line)[1..]
@@ -205,14 +368,12 @@ fn special_and_large_files_are_listed_but_not_read() {
             .collect::<Vec<_>>()
     };
     let mut expected = vec![
-        "files/disk.img not-a-ptm",
         "files/huge.ptm not-judged",
-        "files/inner/empty not-a-ptm",
+        "files/inner/empty.PTM damaged",
         "files/link.ptm not-judged",
-        "files/round not-judged",
     ];
     assert_eq!(found("-r files"), expected);
-    expected.remove(2);
+    expected.remove(1);
     assert_eq!(found("files"), expected);
     // Links on the command line are followed.
     assert_eq!(found("files/link.ptm"), ["files/link.ptm sound"]);
@@ -223,23 +384,27 @@ fn exit_status_is_determined_by_the_worst_file() {
     let here = Workspace::new();
     here.write("other.ppm", b"P6\n");
     here.write("unknown-key.yaml", "alow: []\n");
+    here.write("version-1.1.ptm", "PTM_1.1\nPTM_FORMAT_LRGB\n");
     here.copy_from_corpus("lrgb/first-lrgb.ptm");
     here.copy_from_corpus("lrgb/half-payload-lrgb.ptm");
     let table = "
 0 | lint SOUND |
 4 | lint --limit 10 SOUND |
 3 | lint --limit 10 SOUND other.ppm |
-3 | lint other.ppm | other.ppm: not a PTM: expected PTM_1.2
-3 | lint SOUND other.ppm | other.ppm: not a PTM: expected PTM_1.2
+3 | lint other.ppm | other.ppm: foreign: expected PTM_1.2
+3 | lint SOUND other.ppm | other.ppm: foreign: expected PTM_1.2
 1 | lint SOUND other.ppm DAMAGED |
-2 | lint SOUND other.ppm DAMAGED no-such-file |
-0 | lint --allow PTM-E001 SOUND other.ppm |
-0 | lint --severity PTM-E070=warning DAMAGED |
+1 | lint SOUND other.ppm DAMAGED no-such-file |
+6 | lint SOUND other.ppm no-such-file | no-such-file: unreadable
+3 | lint --allow PTM-E001 SOUND other.ppm |
+4 | lint version-1.1.ptm | version-1.1.ptm: not judged: the file has a format version other than 1.2
+1 | lint --severity PTM-E070=warning DAMAGED |
+1 | lint --allow PTM-E070 DAMAGED | damaged: 0 errors, 0 warnings, 0 infos (1 error not shown)
 1 | lint --severity PTM-E070=warning --deny-warnings DAMAGED |
 2 | lint --severity PTM-E070=fatal DAMAGED |
 2 | lint --only PTM-W999 SOUND |
 1 | lint --only PTM-E070 --only PTM-W101 DAMAGED |
-0 | lint --only PTM-W101 DAMAGED |
+1 | lint --only PTM-W101 DAMAGED |
 2 | lint --config unknown-key.yaml SOUND | alow";
     let table = table.replace("SOUND", "first-lrgb.ptm");
     here.assert_lines(&table.replace("DAMAGED", "half-payload-lrgb.ptm"));
@@ -271,7 +436,7 @@ fn settings_come_from_a_file_and_from_options() {
 fn sarif_lists_each_finding_with_rule_and_location() {
     let here = Workspace::new();
     here.write("files/a b%.ptm", b"PTM_1.2\n");
-    symlink(".", here.path("files/link")).expect("a link");
+    symlink(".", here.path("files/link.ptm")).expect("a link");
     here.copy_from_corpus("lum/first-lum.ptm");
     let paths = ["files", "first-lum.ptm", "none.ptm"].map(|name| here.path(name));
     let output = here.command("lint --format sarif").args(paths).output();

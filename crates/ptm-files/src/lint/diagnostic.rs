@@ -27,6 +27,11 @@ pub struct Diagnostic {
 }
 
 impl Diagnostic {
+    /// Returns the place of the finding in a report: the most severe ones first, then in file order.
+    pub(super) fn rank(&self) -> (Severity, usize, &'static str) {
+        (self.severity, self.offset, self.code)
+    }
+
     /// Returns the description of the code, followed by the details for this file.
     #[must_use]
     pub fn text(&self) -> String {

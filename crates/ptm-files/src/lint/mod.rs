@@ -33,6 +33,7 @@ use crate::dissection::Dissection;
 use crate::readers::ReaderPrediction;
 use crate::repair::repair;
 use ptm::Format;
+use ptm::decode::Streams;
 
 /// Lint results for a file.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -92,7 +93,21 @@ fn is_zero(count: &usize) -> bool {
 /// Returns all findings about `file`, sorted by severity and offset.
 #[must_use]
 pub fn lint(file: &[u8]) -> Vec<Diagnostic> {
-    Lint::new("", file).findings
+    let (dissection, streams) = Dissection::with_streams(file);
+    let mut findings = find(&dissection, streams.as_ref());
+    findings.sort_by_key(Diagnostic::rank);
+    findings
+}
+
+/// Returns all findings about a dissected file. `streams` are its decoded streams, if all of them can be decoded.
+fn find(dissection: &Dissection, streams: Option<&Streams>) -> Vec<Diagnostic> {
+    let mut findings = Findings::new(dissection);
+    errors::diagnose(&mut findings);
+    header::diagnose(&mut findings);
+    values::diagnose(&mut findings);
+    planes::diagnose(&mut findings, streams);
+    choices::diagnose(&mut findings, streams);
+    findings.list
 }
 
 /// Returns the reason why a file was not judged.
@@ -108,30 +123,28 @@ impl Lint {
     #[must_use]
     pub fn new(name: &str, file: &[u8]) -> Lint {
         let (dissection, streams) = Dissection::with_streams(file);
-        let mut findings = Findings::new(&dissection);
-        errors::diagnose(&mut findings);
-        header::diagnose(&mut findings);
-        values::diagnose(&mut findings);
-        planes::diagnose(&mut findings, streams.as_ref());
-        choices::diagnose(&mut findings, streams.as_ref());
+        let mut findings = find(&dissection, streams.as_ref());
         let status = Status::new(name, &dissection);
         let mut reason = None;
         // A file of another version or beyond a limit of the reference breaks no rule.
         if status == Status::NotJudged {
             let is_error = |finding: &Diagnostic| finding.severity == Severity::Error;
-            let error = findings.list.iter().find(|finding| is_error(finding));
+            let error = findings.iter().find(|finding| is_error(finding));
             reason = error.map(not_judged_reason);
-            findings.list.retain(|finding| !is_error(finding));
+            findings.retain(|finding| !is_error(finding));
         }
         let mut lint = Lint {
             status,
             reason,
-            metadata: Metadata::new(&dissection),
+            metadata: match status {
+                Status::Foreign => Metadata::default(),
+                _ => Metadata::new(&dissection),
+            },
             format: dissection.format.map(Format::name),
             width: dissection.size.map(|size| size.width),
             height: dissection.size.map(|size| size.height),
             bytes: Some(file.len() as u64),
-            findings: findings.list,
+            findings,
             file: name.to_owned(),
             ..Lint::default()
         };
@@ -157,8 +170,7 @@ impl Lint {
     }
 
     fn sort_and_count(&mut self) {
-        self.findings
-            .sort_by_key(|finding| (finding.severity, finding.offset, finding.code));
+        self.findings.sort_by_key(Diagnostic::rank);
         let count = |severity| {
             let findings = self.findings.iter();
             findings.filter(|f| f.severity == severity).count()

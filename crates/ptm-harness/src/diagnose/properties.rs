@@ -178,7 +178,7 @@ fn spelling_properties(f: &File) -> [Property; 15] {
     ]
 }
 
-fn data_properties(f: &File) -> [Property; 20] {
+fn data_properties(f: &File) -> [Property; 21] {
     let [scales, biases, _] = &f.numbers;
     let value = |text: &str| text.parse().unwrap_or(0.0);
     let is_negative = |texts: &[&str]| texts.iter().any(|text| value(text) < 0.0);
@@ -189,6 +189,7 @@ fn data_properties(f: &File) -> [Property; 20] {
     let has_point = any(|text| text.contains('.'));
     let is_scientific = any(|text| text.contains(['e', 'E']));
     let has_negative_exponent = any(|text| text.contains("e-") || text.contains("E-"));
+    let has_plus_in_exponent = any(|text| text.contains("e+") || text.contains("E+"));
     let has_plus = any(|text| text.starts_with('+'));
     let is_space = matches!(f.data, [9..=13 | b' ', ..]);
     let is_line_feed = f.data.starts_with(b"\n");
@@ -214,6 +215,10 @@ fn data_properties(f: &File) -> [Property; 20] {
             has_negative_exponent,
         ),
         ("2.4/3 with a number that starts with a plus sign", has_plus),
+        (
+            "2.4/3 with a plus sign in an exponent",
+            has_plus_in_exponent,
+        ),
         (
             "2.4/3 with a number that starts or ends with its decimal point",
             has_outer_point,

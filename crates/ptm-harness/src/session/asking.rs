@@ -193,7 +193,7 @@ pub(super) fn serve_mode_failure<T>(reply: &Reply<T>) -> Option<Nondeterminism> 
 /// Describes the place of a request in its process: after the previous request, or first.
 pub(super) fn previous_request_text(before: Option<&String>) -> String {
     match before {
-        Some(case) => format!(", after {case}"),
-        None => ", as the first request".to_owned(),
+        Some(case) => format!(" (the previous request was {case})"),
+        None => " (it was the first request)".to_owned(),
     }
 }

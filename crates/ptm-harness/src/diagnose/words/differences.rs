@@ -100,7 +100,7 @@ pub(in crate::diagnose) fn describe(
     let [effect, fix] = match is_only_frame_wrong(search, step, cases) {
         true => [
             "writes wrong final values, although the colors that follow from them are correct",
-            "compare the samples of the frame for view coef with docs/protocol.md: the type, the bytes of a number and their order",
+            "compare the samples that the decoder writes for view coef with the final values that it uses for colors, and their bytes with docs/protocol.md",
         ],
         false => effect_and_fix(step),
     };
@@ -176,7 +176,7 @@ fn is_only_frame_wrong(search: &Search, step: Step, cases: &[usize]) -> bool {
 
 /// Returns text such as ": NaN instead of every wrong value" if all wrong samples of the images have the same value.
 fn value_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
-    let mut value = None;
+    let (mut value, mut count) = (None, 0);
     for pair in cases.iter().filter_map(|&w| image_pair(search, set, w)) {
         for i in pair.wrong_samples() {
             let received = pair.received[i];
@@ -189,10 +189,11 @@ fn value_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
             if *value.get_or_insert(bits) != bits {
                 return String::new();
             }
+            count += 1;
         }
     }
     match value.map(f64::from_bits) {
-        Some(value) if cases.len() >= MIN_SUPPORT => {
+        Some(value) if count >= MIN_SUPPORT => {
             format!(": every wrong sample is {value}")
         }
         _ => String::new(),

@@ -34,7 +34,7 @@ fn files_of_group(witnesses: &[Witness], group: &Group) -> String {
 fn files_in_scope(witnesses: &[Witness], shared: &SharedScope) -> String {
     let (count, others) = shared.count_legal(witnesses);
     let scope = shared.describe(witnesses);
-    match others {
+    let files = match others {
         _ if count == 0 => format!(
             "{} files {scope} that need not be decoded",
             shared.cases.len()
@@ -48,6 +48,12 @@ fn files_in_scope(witnesses: &[Witness], shared: &SharedScope) -> String {
             let all = count + others;
             format!("{count} of {all} legal files {scope} (the others also fail)")
         }
+    };
+    match shared.cases.len() - count {
+        0 => files,
+        _ if count == 0 => files,
+        1 => format!("{files} (and 1 that need not be decoded)"),
+        more => format!("{files} (and {more} that need not be decoded)"),
     }
 }
 
