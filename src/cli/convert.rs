@@ -1,13 +1,16 @@
 //! Subcommand `ptm-conform convert`.
 
-use std::path::PathBuf;
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
 
 use clap::Args;
 
 use super::{CommandError, CommandResult, files, output, readers};
-use ptm::Format;
+use ptm::{Format, decode};
 use ptm_files::convert::{Target, convert};
+use ptm_files::lint::{csv::join_cells, names::escape_name};
 use ptm_files::{convert_for::convert_for, dissection::Dissection, repair::repair};
+use ptm_suite::kit::digest::sha256;
 
 /// Convert a map to another format, without loss unless a lossy format is requested.
 ///
@@ -15,15 +18,19 @@ use ptm_files::{convert_for::convert_for, dissection::Dissection, repair::repair
 /// 65,536 distinct texels. Every format except LUM has a lossless JPEGLS and a lossy JPEG counterpart. The result is read back
 /// and compared before it is written. Conversion to the file's own format normalizes its header.
 ///
-/// Exit status: 0 success, 1 the target cannot hold the map or nothing can be repaired, 2 usage error, 65 the file is malformed,
+/// With --repair and --out-dir, many files are repaired at once, and a CSV row on standard output says what happened to each. The
+/// payload of a compressed file is kept; only its header is written again.
+///
+/// Exit status: 0 success, 1 the target cannot hold the map or a file cannot be repaired, 2 usage error, 65 the file is malformed,
 /// 69 it is not supported.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform convert coin.ptm --to JPEGLS_RGB -o small.ptm\n  ptm-conform convert coin.ptm --to JPEG_RGB --quality 90 -o smaller.ptm\n  ptm-conform convert table.ptm --to LRGB -o plain.ptm\n  ptm-conform convert coin.ptm --for relight,rtiviewer -o everywhere.ptm\n  ptm-conform convert damaged.ptm --repair -o repaired.ptm"
+    after_help = "Examples:\n  ptm-conform convert coin.ptm --to JPEGLS_RGB -o small.ptm\n  ptm-conform convert coin.ptm --to JPEG_RGB --quality 90 -o smaller.ptm\n  ptm-conform convert table.ptm --to LRGB -o plain.ptm\n  ptm-conform convert coin.ptm --for relight,rtiviewer -o everywhere.ptm\n  ptm-conform convert damaged.ptm --repair -o repaired.ptm\n  ptm-conform convert --repair --dry-run --out-dir repaired *.ptm > log.csv"
 )]
 pub struct ConvertArgs {
-    /// A PTM file.
-    file: PathBuf,
+    /// A PTM file; with --out-dir, any number of files.
+    #[arg(value_name = "FILE", required = true)]
+    files: Vec<PathBuf>,
     /// The target format: RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT, JPEG_RGB, JPEG_LRGB, JPEGLS_RGB or JPEGLS_LRGB.
     #[arg(long, value_name = "FORMAT", value_parser = super::arguments::parse_format, required_unless_present_any = ["readers", "repair"])]
     to: Option<Format>,
@@ -42,19 +49,48 @@ pub struct ConvertArgs {
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u8).range(0..=127))]
     loss: u8,
     /// The output file.
-    #[arg(short, long = "out", alias = "output", value_name = "FILE")]
-    output: PathBuf,
+    #[arg(
+        short,
+        long = "out",
+        alias = "output",
+        value_name = "FILE",
+        required_unless_present = "out_dir"
+    )]
+    output: Option<PathBuf>,
+    /// Write repaired files to DIR, which is created if necessary, under the names of the originals. No file is overwritten.
+    #[arg(
+        long,
+        value_name = "DIR",
+        requires = "repair",
+        conflicts_with = "output"
+    )]
+    out_dir: Option<PathBuf>,
+    /// With --out-dir, write no file, and print what would be done.
+    #[arg(long, requires = "out_dir")]
+    dry_run: bool,
 }
 
 pub fn run(args: &ConvertArgs) -> CommandResult {
-    let source = args.file.canonicalize().ok();
-    if source.is_some() && source == args.output.canonicalize().ok() {
-        let output = args.output.display();
+    if let Some(directory) = &args.out_dir {
+        return repair_files(args, directory);
+    }
+    let (Some(output), [file]) = (&args.output, &args.files[..]) else {
+        return Err("expected one file; --repair --out-dir DIR repairs many"
+            .to_owned()
+            .into());
+    };
+    let source = file.canonicalize().ok();
+    if source.is_some() && source == output.canonicalize().ok() {
+        let output = output.display();
         return Err(format!("{output} is the input file; write to a different file").into());
     }
-    if args.repair {
-        return repair_file(args);
+    match args.repair {
+        true => repair_file(file, output),
+        false => convert_file(args, file, output),
     }
+}
+
+fn convert_file(args: &ConvertArgs, file: &Path, output: &Path) -> CommandResult {
     let target = args.to.map(|format| Target {
         format,
         quality: args.quality,
@@ -64,16 +100,17 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
     checked.map_err(|why| format!("--{why}"))?;
     let profiles = readers::load_profiles(None)?;
     let readers = readers::select_profiles(&profiles, &args.readers)?;
-    let file = files::read(&args.file)?;
+    let path = file;
+    let file = files::read(path)?;
     let dissection = Dissection::parse(&file);
-    let ptm = files::map(&args.file, &dissection)?;
+    let ptm = files::map(path, &dissection)?;
     let converted = match target {
         Some(target) => convert(&dissection, ptm, target).map(|made| (target.format, made)),
         None => convert_for(&dissection, ptm, &readers),
     };
     let (format, converted) = converted.map_err(|why| CommandError::new(1, &why.to_string()))?;
-    files::write_atomically(&args.output, &converted.bytes)?;
-    let (output, source) = (args.output.display(), ptm.header.format);
+    files::write_atomically(output, &converted.bytes)?;
+    let (output, source) = (output.display(), ptm.header.format);
     let (before, after) = (file.len(), converted.bytes.len());
     let mut losses = match converted.max_difference {
         0 => "without loss".to_owned(),
@@ -89,17 +126,95 @@ pub fn run(args: &ConvertArgs) -> CommandResult {
 }
 
 /// Writes a repaired file. Never replaces an existing file.
-fn repair_file(args: &ConvertArgs) -> CommandResult {
-    let output = args.output.display();
-    if args.output.symlink_metadata().is_ok() {
-        return Err(format!("{output} already exists; --repair never overwrites a file").into());
-    }
-    let unrepaired =
-        |why: ptm_files::Error| CommandError::new(1, &files::with_path(&args.file)(why));
-    let repaired = repair(&files::read(&args.file)?).map_err(unrepaired)?;
-    files::write_atomically(&args.output, &repaired.bytes)?;
+fn repair_file(file: &Path, output: &Path) -> CommandResult {
+    check_new(output)?;
+    let unrepaired = |why: ptm_files::Error| CommandError::new(1, &files::with_path(file)(why));
+    let repaired = repair(&files::read(file)?).map_err(unrepaired)?;
+    files::write_atomically(output, &repaired.bytes)?;
     for change in &repaired.changes {
-        output::print_note(&format!("{output}: {change}\n"));
+        output::print_note(&format!("{}: {change}\n", output.display()));
     }
     Ok(0)
+}
+
+fn check_new(output: &Path) -> Result<(), String> {
+    match output.symlink_metadata() {
+        Ok(_) => {
+            let output = output.display();
+            Err(format!(
+                "{output} already exists; --repair never overwrites a file"
+            ))
+        }
+        Err(_) => Ok(()),
+    }
+}
+
+/// Repairs many files, and prints a CSV row for each.
+fn repair_files(args: &ConvertArgs, directory: &Path) -> CommandResult {
+    if !args.dry_run {
+        std::fs::create_dir_all(directory).map_err(files::with_path(directory))?;
+    }
+    let row = |cells: [&str; 6]| {
+        let cells = cells.into_iter().map(str::to_owned);
+        output::print(&join_cells(cells));
+    };
+    row([
+        "file",
+        "result",
+        "output",
+        "sha256",
+        "sha256 of output",
+        "details",
+    ]);
+    let bar = output::bar(
+        Some(args.files.len() as u64),
+        "{pos}/{len} files, {eta} left",
+    );
+    let mut status = 0;
+    let mut written = HashSet::new();
+    for file in &args.files {
+        let name = escape_name(file.as_os_str());
+        let output = directory.join(file.file_name().unwrap_or_default());
+        let read = files::read(file);
+        let before = read.as_ref().map_or(String::new(), |bytes| sha256(bytes));
+        let done = match &read {
+            Err(why) => Err(("unreadable", why.clone())),
+            Ok(bytes) if decode(bytes).is_ok() && repair(bytes).is_err() => {
+                Err(("sound", String::new()))
+            }
+            Ok(bytes) => repair(bytes)
+                .map_err(|why| ("not repairable", why.to_string()))
+                .and_then(|repaired| {
+                    let is_new = written.insert(output.clone()) && check_new(&output).is_ok();
+                    if !is_new {
+                        let why = "a file of this name already exists".to_owned();
+                        return Err(("not written", why));
+                    }
+                    if !args.dry_run {
+                        let done = files::write_atomically(&output, &repaired.bytes);
+                        done.map_err(|why| ("not written", why))?;
+                    }
+                    Ok(repaired)
+                }),
+        };
+        bar.suspend(|| match done {
+            Ok(repaired) => {
+                let result = if args.dry_run {
+                    "repairable"
+                } else {
+                    "repaired"
+                };
+                let output = escape_name(output.as_os_str());
+                let (after, changes) = (sha256(&repaired.bytes), repaired.changes.join("; "));
+                row([&name, result, &output, &before, &after, &changes]);
+            }
+            Err((result, why)) => {
+                status = status.max(u8::from(result != "sound"));
+                row([&name, result, "", &before, "", &why]);
+            }
+        });
+        bar.inc(1);
+    }
+    bar.finish_and_clear();
+    Ok(status)
 }

@@ -470,3 +470,49 @@ fn sarif_lists_each_finding_with_rule_and_location() {
     assert!(uri(&results[0]).ends_with("/a%20b%25.ptm"), "{log}");
     assert_eq!(results[0]["level"], "error");
 }
+
+#[test]
+fn many_files_are_repaired_at_once() {
+    let here = Workspace::new();
+    let sound = fs::read(repository("corpus/lrgb/first-lrgb.ptm")).expect("a file");
+    here.write("a/sound.ptm", &sound);
+    here.write("a/line.ptm", [b"\n", &sound[..]].concat());
+    here.write("b/line.ptm", [b"\n", &sound[..]].concat());
+    here.write("b/long.ptm", [&sound[..], &[0; 1000]].concat());
+    here.write("b/short.ptm", &sound[..sound.len() - 1]);
+    let files = "a/sound.ptm a/line.ptm b/line.ptm b/long.ptm b/short.ptm none.ptm";
+    let results = |options: &str| -> Vec<String> {
+        let text = printed(&here, &format!("convert --repair {options} {files}"));
+        let rows = text.lines().skip(1);
+        rows.map(|row| row.split(',').nth(1).expect("a result").to_owned())
+            .collect()
+    };
+    let expected = [
+        "sound",
+        "repairable",
+        "not written",
+        "repairable",
+        "not repairable",
+        "unreadable",
+    ];
+    assert_eq!(results("--dry-run --out-dir new"), expected);
+    assert!(!here.path("new").exists());
+    let expected = expected.map(|result| result.replace("repairable", "repaired"));
+    let expected = expected.map(|result| result.replace("not repaired", "not repairable"));
+    assert_eq!(results("--out-dir new"), expected);
+    for name in ["new/line.ptm", "new/long.ptm"] {
+        assert_eq!(fs::read(here.path(name)).expect("a file"), sound);
+    }
+    assert!(
+        results("--out-dir new")
+            .iter()
+            .all(|result| result != "repaired")
+    );
+    here.assert_lines(
+        "
+1 | convert --repair --out-dir new2 b/short.ptm | not repairable
+0 | convert --repair --out-dir new2 a/line.ptm | removed 1 bytes before PTM_1.2
+0 | convert --repair --out-dir new2 a/sound.ptm | sound
+2 | convert --repair a/line.ptm b/long.ptm -o c.ptm | expected one file",
+    );
+}
