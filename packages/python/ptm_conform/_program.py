@@ -57,7 +57,22 @@ def decode(file, view="raw"):
 
 def lint(path):
     """Returns the findings for a file, as dictionaries with code, severity, offset, clause, says, found and fix."""
-    run = subprocess.run([program(), "lint", "--json", os.fspath(path)], capture_output=True)
+    (row,) = lint_rows([path])
+    if row["status"] == "unreadable":
+        raise OSError(row["reason"])
+    return row["findings"]
+
+
+def lint_rows(paths, options=()):
+    """Checks many files with one process. Returns a dictionary per file, in order, like `ptm-conform lint --format jsonl`.
+
+    A row has the keys file, status (sound, damaged, foreign, not-judged or unreadable), errors, warnings, infos and findings, and,
+    if they are known, format, width, height, bytes, sha256, modified and others (spec-cases/schema/lint.schema.json). `options` are
+    further options of the command. Raises ValueError if they are wrong.
+    """
+    names = b"".join(os.fsencode(path) + b"\0" for path in paths)
+    command = [program(), "lint", "--quiet", "--format", "jsonl", *options, "-0", "-"]
+    run = subprocess.run(command, input=names, capture_output=True)
     if run.returncode == 2:
-        raise OSError(run.stderr.decode(errors="replace").strip())
-    return json.loads(run.stdout)[0]["findings"]
+        raise ValueError(run.stderr.decode(errors="replace").strip())
+    return [json.loads(line) for line in run.stdout.splitlines()]

@@ -175,3 +175,59 @@ fn pytest_has_a_test_for_each_case() {
     let says = "FAILED test_ptm.py::test_ptm[hand-rgb-blocks] && test_ptm[width-zero-lrgb]";
     assert_contains(&text, says);
 }
+
+/// Runs the program of docs/scale.md with two worker processes, one of which is killed, and compares the rows with those of `lint`.
+#[test]
+fn dask_checks_an_archive_although_a_worker_is_killed() {
+    if !have_python(&["distributed"]) {
+        return;
+    }
+    let here = Workspace::new();
+    let names = ["lrgb/first-lrgb", "lrgb/half-payload-lrgb", "lum/first-lum"];
+    let files = names.map(|name| {
+        fs::read(repository(&format!("corpus/{name}.ptm"))).expect("a file of the corpus")
+    });
+    for i in 0..2000 {
+        here.write(&format!("files/{i:04}.ptm"), &files[i % files.len()]);
+    }
+    let scale = fs::read_to_string(repository("docs/scale.md")).expect("a document");
+    let code = scale.split("```python\n").nth(1).expect("a program");
+    let code = code.split("```").next().expect("its end");
+    here.write("archive.py", code);
+    here.write(
+        "test.py",
+        "\
+import os, signal, sys, threading
+import distributed, archive
+
+if __name__ == '__main__':
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client:
+            pids = list(client.run(os.getpid).values())
+            kill = threading.Timer(0.3, os.kill, [pids[0], signal.SIGKILL])
+            kill.start()
+            archive.main('files', 'rows.jsonl', client)
+            kill.join()
+",
+    );
+    let package = repository("packages/python");
+    let mut run = Command::new("python3");
+    run.arg("test.py").current_dir(here.path("."));
+    run.env("PYTHONPATH", format!("{package}:."));
+    // Each of the twenty batches takes a while, so the worker is killed in the middle.
+    let slow = format!("#!/bin/sh\nsleep 0.2\nexec {PROGRAM} \"$@\"\n");
+    run.env("PTM_CONFORM_PROGRAM", here.write_program("slow", &slow));
+    let output = run.output().expect("python starts");
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{stderr}");
+    let mut lint = here.command("lint -rq --format jsonl files");
+    let expected = lint.output().expect("the program starts").stdout;
+    let expected = String::from_utf8(expected).expect("UTF-8");
+    let parse = |text: &str| -> Vec<serde_json::Value> {
+        let rows = text.lines().map(serde_json::from_str);
+        rows.collect::<Result<_, _>>().expect("JSON")
+    };
+    let rows = parse(&here.text("rows.jsonl"));
+    assert_eq!(rows.len(), 2000);
+    assert_eq!(rows, parse(&expected));
+}
