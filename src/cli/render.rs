@@ -7,18 +7,19 @@ use image::ImageFormat;
 
 use super::arguments::parse_pair;
 use super::{CommandResult, files, output};
+use crate::relight;
 use ptm_files::render::{encode_image, normals, render_lit, sheet, upscale};
 
 /// Render a map under one light or under many lights, or render its normals.
 ///
 /// A light is LU,LV, its direction projected onto the image plane: LU to the right, LV up; 0,0 is the zenith. Colors are rounded
-/// to the nearest byte. The suffix of the output selects the format: .png, .ppm, .tiff, .bmp, .webp (lossless) or .jpg (quality
-/// 95, no chroma subsampling).
+/// to the nearest byte. The suffix of the output selects the format: .png, .ppm, .tiff, .bmp, .webp (lossless), .jpg (quality
+/// 95, no chroma subsampling), or .html: a page with a movable light, which needs nothing but a browser.
 ///
 /// Exit status: 0 success, 2 usage error, 65 the file is malformed, 69 it is not supported.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform render coin.ptm --light 0.5,0.5 -o coin.png\n  ptm-conform render coin.ptm --sheet 7 --cell 200 -o sheet.png\n  ptm-conform render coin.ptm --normals -o normals.png\n  ptm-conform render tiny.ptm --zoom 32 -o tiny.png"
+    after_help = "Examples:\n  ptm-conform render coin.ptm -o coin.html\n  ptm-conform render coin.ptm --light 0.5,0.5 -o coin.png\n  ptm-conform render coin.ptm --sheet 7 --cell 200 -o sheet.png\n  ptm-conform render coin.ptm --normals -o normals.png\n  ptm-conform render tiny.ptm --zoom 32 -o tiny.png"
 )]
 pub struct RenderArgs {
     /// A PTM file.
@@ -48,9 +49,16 @@ pub struct RenderArgs {
 const MAX_SMALL_SIDE: u32 = 32;
 
 pub fn run(args: &RenderArgs) -> CommandResult {
+    if args
+        .output
+        .extension()
+        .is_some_and(|suffix| suffix == "html")
+    {
+        return write_page(args);
+    }
     let format = ImageFormat::from_path(&args.output).ok();
     let format = format.filter(ImageFormat::writing_enabled).ok_or_else(|| {
-        let expected = "expected a name that ends in .png, .ppm, .tiff, .bmp, .webp or .jpg";
+        let expected = "expected a name that ends in .png, .ppm, .tiff, .bmp, .webp, .jpg or .html";
         files::with_path(&args.output)(expected)
     })?;
     let ptm = files::read_map(&args.file)?;
@@ -78,6 +86,26 @@ pub fn run(args: &RenderArgs) -> CommandResult {
     files::write_atomically(&args.output, encode_image(&image.into(), format)?)?;
     output::print_note(&format!(
         "{output}: {content}, {width} x {height} pixels{hint}\n"
+    ));
+    Ok(0)
+}
+
+/// Writes a page on which the map can be relit.
+fn write_page(args: &RenderArgs) -> CommandResult {
+    if args.sheet.is_some() || args.normals || args.zoom > 1 {
+        return Err(
+            "a page shows the map under any light; it has no --sheet, --normals or --zoom"
+                .to_owned()
+                .into(),
+        );
+    }
+    let ptm = files::read_map(&args.file)?;
+    let name = args.file.file_name().unwrap_or_default().to_string_lossy();
+    let page = relight::page(&ptm, &name)?;
+    files::write_atomically(&args.output, &page)?;
+    let (output, bytes) = (args.output.display(), page.len());
+    output::print_note(&format!(
+        "{output}: a page with a movable light, {bytes} bytes\n"
     ));
     Ok(0)
 }

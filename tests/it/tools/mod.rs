@@ -5,4 +5,5 @@ mod files;
 mod hostile;
 mod identification;
 mod lint;
+mod relight;
 mod repair;
