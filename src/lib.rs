@@ -4,6 +4,7 @@
 //! `ptm-suite`, `ptm-mistakes`, `ptm-harness`, `ptm-files`, `ptm-writers` and `ptm-spec-cases`.
 
 #[cfg(unix)]
+mod lint_page;
 pub mod relight;
 pub mod report;
 

@@ -5,11 +5,11 @@ use image::ImageFormat;
 use maud::{Markup, Render, html};
 use serde_json::json;
 
-use ptm::{ColorMatrix, Planes, Ptm, Shape, Size};
-use ptm_files::render::{encode_image, render_lit};
+use ptm::{ColorMatrix, Ptm, Shape, Size};
+use ptm_files::render::{encode_image, render_lit, thin_out};
 
 /// Maximum number of texels on the page. Of a larger map, only some rows and columns are shown.
-const MAX_TEXELS: usize = 1 << 20;
+const MAX_TEXELS: u64 = 1 << 20;
 
 /// Maximum side of a map whose texels are shown as squares.
 const MAX_SMALL_SIDE: u32 = 64;
@@ -27,7 +27,7 @@ const TEMPLATE: &str = include_str!("relight.html");
 pub fn page(ptm: &Ptm, name: &str) -> Result<String, String> {
     let whole = ptm.planes.size;
     let step = step_for(whole);
-    let ptm = every_nth_texel(ptm, step);
+    let ptm = thin_out(ptm, step);
     let (Size { width, height }, set) = (ptm.planes.size, &ptm.header.scale_bias);
     let (lu, lv) = LIGHT;
     let still = encode_image(
@@ -60,7 +60,7 @@ pub fn page(ptm: &Ptm, name: &str) -> Result<String, String> {
     Ok(page.replace("{title}", &name.render().into_string()))
 }
 
-fn facts(ptm: &Ptm, whole: Size, step: usize) -> Markup {
+fn facts(ptm: &Ptm, whole: Size, step: u32) -> Markup {
     let numbers = |numbers: [f64; 6]| numbers.map(|number| number.to_string()).join(" ");
     let set = &ptm.header.scale_bias;
     html! {
@@ -75,33 +75,13 @@ fn facts(ptm: &Ptm, whole: Size, step: usize) -> Markup {
 }
 
 /// Returns the smallest n for which every n-th row and column have at most [`MAX_TEXELS`] texels.
-fn step_for(size: Size) -> usize {
-    let [width, height] = [size.width, size.height].map(|side| side as usize);
+fn step_for(size: Size) -> u32 {
     let mut steps = 1..;
-    let fits = |step: &usize| width.div_ceil(*step) * height.div_ceil(*step) <= MAX_TEXELS;
-    steps.find(fits).expect("a large step leaves one texel")
-}
-
-/// Returns a map with every n-th row and column.
-fn every_nth_texel(ptm: &Ptm, step: usize) -> Ptm {
-    let (Size { width, height }, channels) = (ptm.planes.size, ptm.planes.shape.channels());
-    let row_length = width as usize * channels;
-    let rows = ptm.planes.samples.chunks(row_length).step_by(step);
-    let texels = rows.flat_map(|row| row.chunks(channels).step_by(step));
-    let samples = texels.flatten().copied().collect();
-    let size = Size {
-        width: width.div_ceil(step as u32),
-        height: height.div_ceil(step as u32),
+    let fits = |step: &u32| {
+        let sides = [size.width, size.height].map(|side| u64::from(side.div_ceil(*step)));
+        sides[0] * sides[1] <= MAX_TEXELS
     };
-    let (header, shape) = (ptm.header, ptm.planes.shape);
-    Ptm {
-        header,
-        planes: Planes {
-            size,
-            shape,
-            samples,
-        },
-    }
+    steps.find(fits).expect("a large step leaves one texel")
 }
 
 #[cfg(test)]

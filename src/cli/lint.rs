@@ -5,7 +5,7 @@ use std::io::{self, BufReader, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicIsize, Ordering::Relaxed};
 
 use clap::Args;
 use glob::Pattern;
@@ -19,6 +19,7 @@ use super::lint_rows::{RowFormat, Rows};
 use super::output::{self, MachineFormatArgs};
 use super::readers;
 use super::{CommandResult, EXIT_NOTHING_SELECTED};
+use crate::lint_page;
 use ptm_files::lint::Lint;
 use ptm_files::lint::codes::{ALL, Severity};
 use ptm_files::lint::status::{MAGIC, Status, begins_like_a_ptm, is_named_ptm};
@@ -43,7 +44,7 @@ use ptm_suite::kit::{parallel::process_in_order, strip_os_error_code, yaml};
 /// is newly damaged, changed, missing, or new and not sound; 0 otherwise.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint -r --format csv /archive > archive.csv\n  ptm-conform lint -r --format csv --resume archive.csv /archive > whole.csv\n  ptm-conform lint -rq --baseline archive.csv /archive     # for cron: quiet if nothing has changed\n  find /archive -name '*.ptm' -print0 | ptm-conform lint -0 -\n  ptm-conform lint --only PTM-W301 --severity PTM-W301=error table.ptm"
+    after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint -r --format csv /archive > archive.csv\n  ptm-conform lint -r --format csv --resume archive.csv /archive > whole.csv\n  ptm-conform lint -r --format html /archive > archive.html\n  ptm-conform lint -rq --baseline archive.csv /archive     # for cron: quiet if nothing has changed\n  find /archive -name '*.ptm' -print0 | ptm-conform lint -0 -\n  ptm-conform lint --only PTM-W301 --severity PTM-W301=error table.ptm"
 )]
 #[expect(clippy::struct_excessive_bools, reason = "each is a separate option")]
 pub struct LintArgs {
@@ -62,7 +63,8 @@ pub struct LintArgs {
     /// Check only part I of N. The path of a file determines its part.
     #[arg(long, value_name = "I/N")]
     shard: Option<Part>,
-    /// The format of the results: text, json, jsonl (a JSON record per line), yaml, csv (one row per file) or sarif (2.1.0).
+    /// The format of the results: text, json, jsonl (a JSON record per line), yaml, csv (one row per file), html (a
+    /// page with thumbnails) or sarif (2.1.0).
     #[arg(long, value_name = "FORMAT", conflicts_with_all = ["yaml", "json"], hide_possible_values = true)]
     format: Option<RowFormat>,
     /// Print no header row (csv).
@@ -122,8 +124,8 @@ const HEAD_BYTES: u64 = 4096;
 
 /// Result for an item of a collection.
 enum Checked {
-    /// A file that was checked.
-    File(PathBuf, Box<Lint>),
+    /// A file that was checked, and its thumbnail.
+    File(PathBuf, Box<Lint>, Option<String>),
     /// A file that has not changed since the earlier run.
     Earlier(Box<EarlierRow>),
     /// A file in a folder that is not checked.
@@ -163,6 +165,10 @@ pub fn run(args: &LintArgs) -> CommandResult {
         args,
         earlier: earlier.as_ref(),
         has_checksums: format.has_columns() || baseline.is_some(),
+        thumbnails: AtomicIsize::new(match format {
+            RowFormat::Html => lint_page::MAX_THUMBNAILS as isize,
+            _ => 0,
+        }),
     };
     let (bar, closed) = (progress(args), AtomicBool::new(false));
     let mut worst = 0;
@@ -181,7 +187,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
                 let judged = (row.status, row.errors, row.warnings);
                 (judged, bar.suspend(|| rows.show_earlier(&row)))
             }
-            Checked::File(path, lint) => {
+            Checked::File(path, lint, thumbnail) => {
                 let judged = (lint.status, lint.errors, lint.warnings);
                 let shown = match &mut baseline {
                     Some(baseline) => bar.suspend(|| {
@@ -189,7 +195,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
                         has_new_trouble |= change.is_some_and(Change::needs_attention);
                         rows.show_change(&lint, change)
                     }),
-                    None => bar.suspend(|| rows.show(&path, *lint)),
+                    None => bar.suspend(|| rows.show(&path, *lint, thumbnail.as_ref())),
                 };
                 (judged, shown)
             }
@@ -294,6 +300,8 @@ struct FileChecker<'a> {
     earlier: Option<&'a EarlierRows>,
     /// True if the results include the time and the digest of a file.
     has_checksums: bool,
+    /// Number of thumbnails that are still to be made, or less than 1 if there are no more.
+    thumbnails: AtomicIsize,
 }
 
 impl FileChecker<'_> {
@@ -316,14 +324,17 @@ impl FileChecker<'_> {
                 let judged = judged.unwrap_or_else(failed);
                 (path, judged)
             }
-            WalkItem::Skipped(path, why) => (path.clone(), Ok(unread(&path, why))),
+            WalkItem::Skipped(path, why) => (path.clone(), Ok((unread(&path, why), None))),
             WalkItem::Unreadable(path, error) => (path, Err(error)),
         };
-        let lint = judged.unwrap_or_else(|error| Lint {
-            status: Status::Unreadable,
-            ..unread(&path, &strip_os_error_code(&error))
+        let (lint, thumbnail) = judged.unwrap_or_else(|error| {
+            let lint = Lint {
+                status: Status::Unreadable,
+                ..unread(&path, &strip_os_error_code(&error))
+            };
+            (lint, None)
         });
-        Checked::File(path, Box::new(self.settings.apply(lint)))
+        Checked::File(path, Box::new(self.settings.apply(lint)), thumbnail)
     }
 
     /// Returns true if a file in a folder is checked. A file that cannot be read is checked, so that this is reported.
@@ -360,11 +371,11 @@ impl FileChecker<'_> {
     }
 
     /// Checks a file. If the file is a PTM, waits until there is enough memory for it and its planes.
-    fn check_file(&self, path: &Path) -> io::Result<Lint> {
+    fn check_file(&self, path: &Path) -> io::Result<(Lint, Option<String>)> {
         let (name, limit) = (escape_name(path.as_os_str()), self.limit);
         let too_long = |length: Option<u64>| {
             let reason = format!("larger than the limit of {limit} bytes");
-            Lint::unread(&name, length, Some(reason))
+            Ok((Lint::unread(&name, length, Some(reason)), None))
         };
         let mut file = File::open(path)?;
         let data = file.metadata()?;
@@ -375,14 +386,15 @@ impl FileChecker<'_> {
         if !begins_like_a_ptm(&bytes) {
             // The file system does not report the real length of a pipe or device.
             let length = length.max(bytes.len() as u64);
-            return Ok(Lint {
+            let lint = Lint {
                 bytes: Some(length),
                 modified,
                 ..Lint::new(&name, &bytes)
-            });
+            };
+            return Ok((lint, None));
         }
         if length > limit {
-            return Ok(too_long(Some(length)));
+            return too_long(Some(length));
         }
         let needed = estimate_memory(&bytes, length);
         self.memory.run_when_free(needed, || {
@@ -392,14 +404,19 @@ impl FileChecker<'_> {
                 file.take(rest).read_to_end(&mut bytes)?;
             }
             if bytes.len() as u64 > limit {
-                return Ok(too_long(None));
+                return too_long(None);
             }
-            Ok(Lint {
+            let has_thumbnail = self.thumbnails.fetch_sub(1, Relaxed) > 0;
+            let thumbnail = has_thumbnail
+                .then(|| lint_page::thumbnail(&bytes))
+                .flatten();
+            let lint = Lint {
                 readers: readers::predict_readers(&bytes, self.readers),
                 sha256: self.has_checksums.then(|| sha256(&bytes)),
                 modified,
                 ..Lint::new(&name, &bytes)
-            })
+            };
+            Ok((lint, thumbnail))
         })
     }
 }

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use crate::lint_page;
 use clap::ValueEnum;
 use ptm_files::lint::{Lint, csv, sarif};
 use ptm_files::lint::{codes::Severity, status::Status, totals::Totals};
@@ -28,6 +29,8 @@ pub enum RowFormat {
     Yaml,
     /// A row for each file
     Csv,
+    /// A page for people, with thumbnails
+    Html,
     /// SARIF 2.1.0, for code hosts and editors
     Sarif,
 }
@@ -35,7 +38,7 @@ pub enum RowFormat {
 impl RowFormat {
     /// Returns true if the format has the time and the digest of each file.
     pub fn has_columns(self) -> bool {
-        !matches!(self, RowFormat::Text | RowFormat::Sarif)
+        !matches!(self, RowFormat::Text | RowFormat::Sarif | RowFormat::Html)
     }
 }
 
@@ -63,6 +66,7 @@ impl Rows {
         match format {
             RowFormat::Text | RowFormat::Yaml | RowFormat::Jsonl => {}
             RowFormat::Json => emit("[\n")?,
+            RowFormat::Html => emit(lint_page::HEAD)?,
             RowFormat::Csv if !has_header => {}
             RowFormat::Csv => emit(&csv::head(readers.iter().map(|reader| &*reader.name)))?,
             RowFormat::Sarif => emit(&sarif::head())?,
@@ -93,8 +97,13 @@ impl Rows {
         [self.totals.files, self.totals.others]
     }
 
-    /// Prints and counts the result for a file.
-    pub fn show(&mut self, path: &Path, mut lint: Lint) -> io::Result<()> {
+    /// Prints and counts the result for a file. `thumbnail` is a PNG in base64.
+    pub fn show(
+        &mut self,
+        path: &Path,
+        mut lint: Lint,
+        thumbnail: Option<&String>,
+    ) -> io::Result<()> {
         self.totals.add(&lint);
         let failed = lint.status == Status::Unreadable;
         // A CSV row contains every code. In other formats, each finding is a separate line.
@@ -112,6 +121,7 @@ impl Rows {
                 let record = serde_json::to_string(&lint).map_err(io::Error::other)?;
                 self.print_list_items(&[record])
             }
+            RowFormat::Html => emit(&lint_page::article(&lint, thumbnail).into_string()),
             RowFormat::Jsonl => {
                 let record = serde_json::to_string(&lint).map_err(io::Error::other)?;
                 emit(&(record + "\n"))
@@ -148,6 +158,7 @@ impl Rows {
     pub fn end(&self) -> io::Result<()> {
         match self.format {
             RowFormat::Json => emit("\n]\n")?,
+            RowFormat::Html => emit(&lint_page::tail(&self.totals).into_string())?,
             RowFormat::Sarif => emit(sarif::tail())?,
             RowFormat::Yaml if self.totals.files == 0 => emit("[]\n")?,
             _ => {}

@@ -8,7 +8,7 @@ use image::{DynamicImage, GenericImageView, ImageFormat, Rgb, RgbImage, imageops
 
 use crate::error::{Error, Result};
 use ptm::evaluate::Coefficients;
-use ptm::{Ptm, Shape, Size};
+use ptm::{Planes, Ptm, Shape, Size};
 
 /// JPEG quality at which the encoder uses small quantization steps and no chroma subsampling.
 const JPEG_QUALITY: u8 = 95;
@@ -188,6 +188,28 @@ fn downscale(image: &RgbImage, factor: u32) -> RgbImage {
             ((sum + count / 2) / count) as u8
         }))
     })
+}
+
+/// Returns a map with every n-th row and column. `step` is n, at least 1.
+#[must_use]
+pub fn thin_out(ptm: &Ptm, step: u32) -> Ptm {
+    let (Size { width, height }, channels) = (ptm.planes.size, ptm.planes.shape.channels());
+    let row_length = width as usize * channels;
+    let rows = ptm.planes.samples.chunks(row_length).step_by(step as usize);
+    let texels = rows.flat_map(|row| row.chunks(channels).step_by(step as usize));
+    let samples = texels.flatten().copied().collect();
+    let size = Size {
+        width: width.div_ceil(step),
+        height: height.div_ceil(step),
+    };
+    Ptm {
+        header: ptm.header,
+        planes: Planes {
+            size,
+            shape: ptm.planes.shape,
+            samples,
+        },
+    }
 }
 
 #[cfg(test)]

@@ -252,7 +252,7 @@ fn photographs_beside_maps_are_counted_only() {
     here.write("files/coin.ptm.bak", &map);
     here.assert_lines(
         "
-1 | lint -r files | 1 other files in folders, neither named .ptm nor beginning with PTM_, were not checked
+1 | lint -r files | not checked: 1 in folders, neither named .ptm nor beginning with PTM_
 1 | lint -r files | files/line.ptm: damaged: 1 error, 0 warnings, 0 infos; repairable
 1 | lint -r files | files/module.ptm: foreign
 0 | lint -r files --name '*.bak' | sound: 0 errors
@@ -299,7 +299,7 @@ fn assert_no_control_characters(output: &Output) {
 #[test]
 fn hostile_names_are_escaped() {
     let here = workspace_with_hostile_names();
-    for format in ["text", "json", "yaml", "csv", "sarif"] {
+    for format in ["text", "json", "jsonl", "yaml", "csv", "html", "sarif"] {
         let output = here
             .command(&format!("lint --format {format} files"))
             .output();
@@ -515,4 +515,19 @@ fn many_files_are_repaired_at_once() {
 0 | convert --repair --out-dir new2 a/sound.ptm | sound
 2 | convert --repair a/line.ptm b/long.ptm -o c.ptm | expected one file",
     );
+}
+
+#[test]
+fn a_page_shows_totals_thumbnails_and_findings() {
+    let here = Workspace::new();
+    write_collection(&here, "files", 8);
+    here.write("files/<b>&.ptm", b"PTM_1.2\n");
+    here.write("files/photo.jpg", b"");
+    let page = printed(&here, "lint -rq --format html files");
+    assert_eq!(page.matches("<article>").count(), 9);
+    assert_eq!(page.matches("data:image/png;base64,").count(), 4);
+    assert!(page.contains("9 files; 1 in folders that are not PTM files were not checked"));
+    assert!(page.contains("files/&lt;b&gt;&amp;.ptm") && !page.contains("<b>&"));
+    assert!(page.contains("PTM-E070") && page.ends_with("</html>\n"));
+    assert!(!page.contains("http"));
 }

@@ -48,6 +48,13 @@ impl Totals {
         self.statuses.get(&status).copied().unwrap_or_default()
     }
 
+    /// Returns the number of files in each format.
+    pub fn formats(&self) -> impl Iterator<Item = (&str, usize)> {
+        self.formats
+            .iter()
+            .map(|(format, &count)| (format.as_str(), count))
+    }
+
     /// Formats the totals for a terminal: one line for all files, then one line per format and per code.
     #[must_use]
     pub fn to_text(&self) -> String {
@@ -58,7 +65,7 @@ impl Totals {
             let others = self.others;
             let _ = writeln!(
                 out,
-                "{others} other files in folders, neither named .ptm nor beginning with PTM_, were not checked"
+                "not checked: {others} in folders, neither named .ptm nor beginning with PTM_"
             );
         }
         let width = self.files.to_string().len();

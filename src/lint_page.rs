@@ -1,0 +1,106 @@
+//! The page of `lint --format html`: totals, a bar for each status and format, and a thumbnail and the findings of each file.
+//!
+//! Files are written one after the other, so the totals come last in the document; a style puts them first.
+
+use data_encoding::BASE64;
+use image::ImageFormat;
+use maud::{Markup, PreEscaped, html};
+
+use ptm_files::lint::codes::Severity;
+use ptm_files::lint::status::Status;
+use ptm_files::lint::{Lint, totals::Totals};
+use ptm_files::render::{encode_image, render_lit, thin_out};
+
+/// Beginning of the page.
+pub const HEAD: &str = include_str!("lint_page.html");
+
+/// Number of files with a thumbnail. More would make the page too large for a browser.
+pub const MAX_THUMBNAILS: usize = 2000;
+
+/// Maximum side of a thumbnail in texels.
+const THUMBNAIL_SIDE: u32 = 96;
+
+/// Light of a thumbnail, from the upper left.
+const LIGHT: (f64, f64) = (-0.4, 0.4);
+
+/// Returns a thumbnail of a map as a PNG in base64, or `None` if the file is not a legal map.
+#[must_use]
+pub fn thumbnail(file: &[u8]) -> Option<String> {
+    let ptm = ptm::decode(file).ok()?;
+    let size = ptm.planes.size;
+    let step = size.width.max(size.height).div_ceil(THUMBNAIL_SIDE);
+    let image = render_lit(&thin_out(&ptm, step).coefficients(), LIGHT.0, LIGHT.1);
+    let bytes = encode_image(&image.into(), ImageFormat::Png).ok()?;
+    Some(BASE64.encode(&bytes))
+}
+
+/// Returns the part of the page about a file.
+#[must_use]
+pub fn article(lint: &Lint, thumbnail: Option<&String>) -> Markup {
+    let facts = [
+        lint.format.map(str::to_owned),
+        lint.width
+            .zip(lint.height)
+            .map(|(width, height)| format!("{width} × {height}")),
+        lint.bytes.map(|bytes| format!("{bytes} bytes")),
+    ];
+    let facts: Vec<String> = facts.into_iter().flatten().collect();
+    html! {
+        article {
+            @match thumbnail {
+                Some(image) => img loading="lazy" alt="" src={ "data:image/png;base64," (image) };,
+                None => div.none {},
+            }
+            div {
+                h2 { (lint.file) }
+                p { (badge(lint.status)) " " (facts.join(", ")) }
+                @if let Some(reason) = &lint.reason { p { (reason) } }
+                @if let Some(repairable) = &lint.repairable { p { "Repairable: " (repairable) } }
+                @if !lint.findings.is_empty() {
+                    ul {
+                        @for finding in &lint.findings {
+                            li {
+                                @if finding.severity == Severity::Error { b { (finding.code) } } @else { (finding.code) }
+                                ", byte " (finding.offset) ": " (finding.text())
+                                @if !finding.fix.is_empty() { ". Fix: " (finding.fix) }
+                            }
+                        }
+                    }
+                }
+                @for reader in &lint.readers {
+                    p { "In " (reader.reader) ": " (reader.result.name()) " " (reader.fault) }
+                }
+            }
+        }
+        "\n"
+    }
+}
+
+fn badge(status: Status) -> Markup {
+    html! { b.status style={ "--color: var(--" (status.name()) ")" } { (status.label()) } }
+}
+
+/// Returns the end of the page, with the totals.
+#[must_use]
+pub fn tail(totals: &Totals) -> Markup {
+    let bar = |name: &str, count: usize, color: Option<&str>| {
+        let share = 100.0 * count as f64 / totals.files.max(1) as f64;
+        let color = color.map_or(String::new(), |color| format!("; --color: var(--{color})"));
+        html! {
+            div.bar { span { (name) } span { i style={ "width: " (format!("{share:.2}")) "%" (color) } {} } span { (count) } }
+        }
+    };
+    html! {
+        header {
+            p { (totals.files) " files" @if totals.others > 0 { "; " (totals.others) " in folders that are not PTM files were not checked" } }
+            @for status in Status::ALL {
+                @if totals.count(status) > 0 { (bar(status.label(), totals.count(status), Some(status.name()))) }
+            }
+            details {
+                summary { "Formats" }
+                @for (format, count) in totals.formats() { (bar(format.trim_start_matches("PTM_FORMAT_"), count, None)) }
+            }
+        }
+        (PreEscaped("\n</html>\n"))
+    }
+}
