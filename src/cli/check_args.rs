@@ -37,6 +37,7 @@ pub enum DecoderSuite {
 #[command(
     after_help = "Examples:\n  ptm-conform check ./my-decoder\n  ptm-conform check -- python3 decode.py --strict\n  ptm-conform check --case '*lut*' --jobs 1 ./my-decoder\n  ptm-conform check --cmd 'viewer -u {lu} -v {lv} {in} -o {out}.png' --reject-exit 1\n  ptm-conform check --baseline known-failures.yaml ./my-decoder"
 )]
+#[expect(clippy::struct_excessive_bools, reason = "each is a separate option")]
 pub struct CheckArgs {
     #[command(flatten)]
     pub run: RunArgs,

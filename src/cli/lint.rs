@@ -209,7 +209,9 @@ pub fn run(args: &LintArgs) -> CommandResult {
     bar.finish_and_clear();
     if let Some(baseline) = &baseline {
         let missing = baseline.missing();
-        let _ = rows.show_missing(&missing);
+        for file in &missing {
+            let _ = Rows::show_missing(file);
+        }
         worst = u8::from(has_new_trouble || !missing.is_empty());
     }
     let _ = rows.end();

@@ -145,13 +145,9 @@ impl Rows {
         emit(&format!("{}: {}\n{details}", lint.file, change.describe()))
     }
 
-    /// Prints the files of an earlier run that are missing.
-    pub fn show_missing(&self, files: &[&str]) -> io::Result<()> {
-        let lines: String = files
-            .iter()
-            .map(|file| format!("{file}: missing\n"))
-            .collect();
-        emit(&lines)
+    /// Prints that a file of an earlier run is missing.
+    pub fn show_missing(file: &str) -> io::Result<()> {
+        emit(&format!("{file}: missing\n"))
     }
 
     /// Prints the end of the document.

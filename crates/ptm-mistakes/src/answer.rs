@@ -20,6 +20,7 @@ pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: 
 }
 
 /// Returns the answer for a refused file. `None` means that a mistake caused the refusal.
+#[must_use]
 pub fn refusal_answer(error: Option<Error>) -> Answer {
     match error {
         Some(error) if error.class() != Class::Malformed => Answer::Unsupported,

@@ -1242,7 +1242,9 @@ fn values_that_only_the_frame_has_wrong_are_said_to_be_written_wrong() {
     let with_values = |request: &Request, change: fn(f32) -> f32| match reference_answer(request) {
         Answer::Decoded(mut frame) if request.view.kind() == ViewKind::Coef => {
             if let Samples::F32(values) = &mut frame.samples {
-                values.iter_mut().for_each(|value| *value = change(*value));
+                for value in values.iter_mut() {
+                    *value = change(*value);
+                }
             }
             Answer::Decoded(frame)
         }

@@ -6,6 +6,7 @@ use std::collections::BTreeSet;
 use std::sync::Mutex;
 
 use ptm::Format;
+use ptm_generate::Compression;
 use ptm_harness::pipeline::texture::TextureCheck;
 use ptm_harness::pipeline::{
     self, Agenda, Check, Error, FinishedCase, FirstVerdicts, FoundCauses, Observer, Stage, check,
@@ -223,7 +224,7 @@ fn files_of_a_lacking_format_are_not_asked_and_have_no_verdict() {
 #[test]
 fn files_of_another_lacking_feature_are_not_asked_either() {
     let suite = suite_of_small_files();
-    let predicts = |case: &Case| case.compression().is_some_and(|plan| plan.predicts());
+    let predicts = |case: &Case| case.compression().is_some_and(Compression::predicts);
     let (report, _) = check_decoder_without(&suite, predicts);
     assert_eq!(report.verdict, Verdict::Pass);
     assert_eq!(report.not_asked.keys().collect::<Vec<_>>(), ["prediction"]);
@@ -253,7 +254,7 @@ fn the_first_tenth_of_a_run_tests_every_clause() {
     let asked = asked.into_inner().expect("no panic");
     let contact = asked.len() - suite.cases.len();
     let first = &asked[contact..contact + suite.cases.len() / 10];
-    let clauses = |case: &Case| case.clauses.iter().cloned().collect::<Vec<_>>();
+    let clauses = |case: &Case| case.clauses.clone();
     let tested: BTreeSet<String> = first
         .iter()
         .flat_map(|id| clauses(suite.case(id).expect("the case exists")))

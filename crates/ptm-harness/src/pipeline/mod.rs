@@ -56,6 +56,10 @@ use ptm_suite::verdicts::outcome::Outcome;
 const MIN_CASES: usize = 300;
 
 /// What is checked, and how far.
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "each is an independent option"
+)]
 pub struct Check<'a, C: Checkable = Case> {
     /// The suite.
     pub suite: &'a Suite<C>,

@@ -79,6 +79,7 @@ pub fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
 }
 
 /// Computes the stored values of a decoded map with edited formulas.
+#[must_use]
 pub fn stored_values<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
     let mut ptm = Cow::Borrowed(ptm);
     if edits.has_stage(Stage::Planes) {
