@@ -8,9 +8,12 @@
 mod choices;
 pub mod codes;
 pub mod csv;
+mod damage;
 pub mod diagnostic;
 mod errors;
+mod fits;
 mod header;
+mod lights;
 pub mod names;
 mod planes;
 pub mod sarif;
@@ -83,8 +86,17 @@ impl Lint {
         values::diagnose(&mut findings);
         planes::diagnose(&mut findings, streams.as_ref());
         choices::diagnose(&mut findings, streams.as_ref());
+        damage::diagnose(&mut findings);
+        lights::diagnose(&mut findings);
+        let mut errors = findings.list.iter();
+        let has_error = errors.any(|finding| finding.severity == Severity::Error);
+        let status = match Status::new(&dissection) {
+            // The decoder does not notice every damage.
+            Status::Sound if has_error => Status::Damaged,
+            status => status,
+        };
         let mut lint = Lint {
-            status: Status::new(&dissection),
+            status,
             format: dissection.format.map(Format::name),
             width: dissection.size.map(|size| size.width),
             height: dissection.size.map(|size| size.height),
@@ -163,10 +175,28 @@ impl Lint {
     pub fn predictions_text(&self) -> String {
         let mut out = String::new();
         for reader in &self.readers {
-            let _ = write!(out, "    in {}: {}", reader.reader, reader.result.name());
+            let _ = write!(out, "    in {}: {}", reader.reader, reader.result.label());
+            if let (Some(largest), Some(share)) = (reader.largest_difference, reader.visible_share)
+                && share > 0.0
+            {
+                let percent = 100.0 * share;
+                let _ = write!(
+                    out,
+                    ", up to {largest} of 255 in {percent:.1} % of the texels"
+                );
+            }
+            if let Some(evidence) = reader.evidence {
+                let _ = write!(out, " ({})", evidence.label());
+            }
             let details = [("", Some(&reader.fault)), ("fix: ", reader.fix.as_ref())];
             for (label, text) in details {
                 if let Some(text) = text.filter(|text| !text.is_empty()) {
+                    // A missing fix needs no label.
+                    let label = if text.starts_with("no fix") {
+                        ""
+                    } else {
+                        label
+                    };
                     let _ = write!(out, "; {label}{text}");
                 }
             }
