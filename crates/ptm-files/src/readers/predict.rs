@@ -279,6 +279,7 @@ impl<'a> OpenedFile<'a> {
                 ..ReaderPrediction::without_images(Rendering::Same, String::new())
             };
         }
+        let has_same_header = ptm.header == truth.header && ptm.planes.shape == truth.planes.shape;
         let edits = formula_edits(misreadings);
         let correct = EvaluatedMap {
             ptm: truth,
@@ -290,7 +291,8 @@ impl<'a> OpenedFile<'a> {
             reading: &reading,
             edits: Edits(&edits),
         };
-        let difference = ImageDifference::new(correct, shown);
+        let difference =
+            ImageDifference::new(correct, shown, is_evaluated_alike && has_same_header);
         let result = match () {
             () if difference.is_none() => Rendering::Same,
             () if !difference.is_visible() => Rendering::NearlySame,
