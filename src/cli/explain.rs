@@ -167,9 +167,17 @@ fn explain(id: &str) -> Result<Option<String>, String> {
 
 fn explain_reader(profile: &ReaderProfile) -> String {
     let ReaderProfile { name, reader, .. } = profile;
-    let misreadings = profile.misreadings.iter().map(|known| known.slug.as_str());
+    let misreadings = profile.misreadings.iter();
+    let misreadings = misreadings.map(|row| format!("{} ({})", row.slug, row.evidence.name()));
+    let unusual: String = (profile.unusual.iter())
+        .map(|row| {
+            let (shows, files, evidence) =
+                (row.shows.label(), row.kind.label(), row.evidence.name());
+            format!("  {shows} files {files} ({evidence})\n")
+        })
+        .collect();
     format!(
-        "reader {name}: {reader}\n  reads: {}\n  misreadings: {}\n  Predictions: ptm-conform lint --for {name} FILE\n",
+        "reader {name}: {reader}\n  reads: {}\n  misreadings: {}\n{unusual}  Predictions: ptm-conform lint --for {name} FILE\n",
         profile.formats.join(", "),
         misreadings.collect::<Vec<_>>().join(", ")
     )

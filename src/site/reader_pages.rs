@@ -108,7 +108,7 @@ fn page(context: PageContext, reader: &str) -> SiteFile {
 /// Renders the formats and limits of a reader, with the evidence for them.
 fn render_profile(profile: &ReaderProfile) -> Markup {
     let basis = |evidence| match evidence {
-        Evidence::Run => "based on a run of the cases",
+        Evidence::Run => "based on a run",
         Evidence::Code => "based on the source code",
     };
     html! {
@@ -118,6 +118,14 @@ fn render_profile(profile: &ReaderProfile) -> Markup {
             dt { "Formats" } dd { (profile.formats.join(", ")) " (" (basis(profile.evidence)) ")" }
             @if !profile.limits.is_empty() {
                 dt { "Limits" } dd { ul.plain { @for known in &profile.limits { li { "The reader " (known.limit.behavior) " (" (basis(known.evidence)) ")." } } } }
+            }
+            @if !profile.unusual.is_empty() {
+                dt { "Files outside the format" } dd { ul.plain { @for row in &profile.unusual { li {
+                    "The reader " (row.shows.label()) " files " (row.kind.label())
+                    @if !row.formats.is_empty() { " (" (row.formats.join(", ")) ")" }
+                    @if !row.fault.is_empty() { ": " (row.fault) }
+                    " (" (basis(row.evidence)) ")."
+                } } } }
             }
             dt { "Prediction" } dd { code { "ptm-conform lint --for " (profile.name) " FILE" } " predicts the reader's output for a file." }
         }

@@ -20,7 +20,8 @@ const FORMATS_TO_TRY: [Format; 7] = [
     Format::Lum,
 ];
 
-/// Converts the file that `dissection` describes to the first format that all of `readers` display correctly.
+/// Converts the file that `dissection` describes to the first format that all of `readers` display correctly, or else to the first
+/// that all of them display nearly correctly.
 ///
 /// # Errors
 /// Returns a message that explains why each format that the readers support is unsuitable.
@@ -41,11 +42,16 @@ pub fn convert_for(
         ));
     }
     let mut reasons = Vec::new();
+    let mut nearly = None;
     for format in formats {
         match try_format(dissection, ptm, format, readers) {
-            Ok(converted) => return Ok((format, converted)),
+            Ok((converted, Rendering::Same)) => return Ok((format, converted)),
+            Ok((converted, _)) => nearly = nearly.or(Some((format, converted))),
             Err(why) => reasons.push(why.to_string()),
         }
+    }
+    if let Some(nearly) = nearly {
+        return Ok(nearly);
     }
     Error::impossible(format!(
         "{names} would not display this map correctly in any format: {}",
@@ -53,13 +59,14 @@ pub fn convert_for(
     ))
 }
 
-/// Converts the map to `format`. Returns an error if a reader would not display the result correctly.
+/// Converts the map to `format`. Also returns the worst result of the readers: the same image, or nearly the same. Returns an error
+/// if a reader would not display either.
 fn try_format(
     dissection: &Dissection,
     ptm: &Ptm,
     format: Format,
     readers: &[&ReaderProfile],
-) -> Result<ConvertedMap> {
+) -> Result<(ConvertedMap, Rendering)> {
     if format.coding() == Some(Coding::Jpeg) {
         return Error::impossible(format!("{format} is lossy"));
     }
@@ -71,13 +78,17 @@ fn try_format(
     };
     let converted = convert(dissection, ptm, target)?;
     let subject = OpenedFile::new(&converted.bytes);
+    let mut worst = Rendering::Same;
     for reader in readers {
         let prediction = subject.predict(reader);
-        if prediction.result != Rendering::Right {
-            let (shows, how) = (prediction.result.name(), prediction.fault);
+        worst = worst.max(prediction.result);
+        if !prediction.result.is_right() {
+            let (shows, how) = (prediction.result.label(), prediction.fault);
             let reader = prediction.reader;
-            return Error::impossible(format!("as {format}, {reader} would show {shows} ({how})"));
+            return Error::impossible(format!(
+                "as {format}, the result in {reader} would be: {shows} ({how})"
+            ));
         }
     }
-    Ok(converted)
+    Ok((converted, worst))
 }

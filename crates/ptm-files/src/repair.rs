@@ -3,6 +3,7 @@
 //! - a byte order mark, spaces or line ends before the header
 //! - spaces, tabs and line endings in the header that the specification does not allow
 //! - wrong compressed sizes, if the streams determine the correct ones
+//! - binary data that was converted from Latin-1 to UTF-8
 //! - bytes after the last value
 //! - records of side information that a later record for the same texel overrides
 //!
@@ -12,7 +13,7 @@
 use std::collections::HashSet;
 
 use super::dissection::{Dissection, FilePart, Role};
-use super::lint::{Lint, status::without_damaged_start};
+use super::lint::{Lint, damage::without_utf8, status::without_damaged_start};
 use super::segments::{EOI, SegmentKind, segments};
 use crate::error::{Error, Result};
 use ptm::decode::decode;
@@ -49,6 +50,12 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile> {
         let removed = file.len() - bytes.len();
         changes.push(format!("removed {removed} bytes before PTM_1.2"));
     }
+    let restored = without_utf8(&Dissection::parse(&bytes));
+    let was_text = restored.is_some();
+    if let Some(restored) = restored {
+        changes.push("converted the binary data from UTF-8 back to bytes".to_owned());
+        bytes = restored;
+    }
     if decode(&bytes).is_err() {
         let header = LenientHeader::read(&bytes)?;
         bytes = header.into_legal_file(&mut changes)?;
@@ -72,7 +79,8 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile> {
     let bug = "this is a bug in ptm-conform, and nothing was written";
     let malformed = |error| format!("the result is malformed: {error}; {bug}");
     let after = decode(&bytes).map_err(malformed)?;
-    if before.is_ok_and(|before| before != after) || Lint::new("", &bytes).errors > 0 {
+    let is_other = before.is_ok_and(|before| before != after) && !was_text;
+    if is_other || Lint::new("", &bytes).errors > 0 {
         return Error::impossible(format!("the result is a different map; {bug}"));
     }
     Ok(RepairedFile { bytes, changes })

@@ -129,7 +129,7 @@ fn commands_have_the_expected_status_and_output() {
 0 | lint --deny-warnings --allow PTM-W303 --allow PTM-W304 --allow PTM-W313 first-lum.ptm |
 2 | lint --allow PTM-E999 first-lrgb.ptm |
 2 | lint |
-2 | render first-lrgb.ptm -o x.gif | .webp or .jpg
+2 | render first-lrgb.ptm -o x.gif | .jpg or .html
 2 | render first-lrgb.ptm --light 0.9,0.9 -o x.png | below the horizon
 2 | render first-lrgb.ptm --light north -o x.png | two numbers such as
 2 | export first-lrgb.ptm -o x.tif | .exr, .npy or .png

@@ -102,3 +102,19 @@ fn repair_never_overwrites() {
     here.exits(2, "convert --repair old.ptm -o new.ptm");
     here.exits(1, "convert --repair new.ptm -o newer.ptm");
 }
+
+#[test]
+fn binary_data_that_became_utf_8_is_restored() {
+    let here = Workspace::new();
+    here.copy_from_corpus("lrgb/first-lrgb.ptm");
+    let sound = here.read("first-lrgb.ptm");
+    let text: String = sound.iter().map(|&byte| char::from(byte)).collect();
+    assert!(text.len() > sound.len());
+    here.write("text.ptm", text);
+    here.assert_lines(
+        "
+1 | lint text.ptm | PTM-E071
+0 | convert --repair text.ptm -o bytes.ptm | converted the binary data from UTF-8 back to bytes",
+    );
+    assert_eq!(here.read("bytes.ptm"), sound);
+}

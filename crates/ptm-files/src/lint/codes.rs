@@ -59,6 +59,7 @@ pub enum Problem {
     NegativeSize,
     Index,
     PayloadEnds,
+    Utf8Payload,
     NotAStream,
     OtherImage,
     StreamDamaged,
@@ -85,12 +86,16 @@ pub enum Problem {
     StreamExtras,
     StreamTrailing,
     StreamMaxval,
+    StreamTables16,
     OtherTransform,
     SpaceBeforeNewline,
     ScaleZero,
     EntriesUnused,
     PredictionUnused,
     Restarts,
+    LightWithoutEffect,
+    BlackOrWhite,
+    LostSectors,
 }
 
 impl Problem {
@@ -129,7 +134,9 @@ pub struct Code {
     /// Ruling of kind *choice* whose readings produce different images.
     #[serde(skip_serializing)]
     pub ruling: Option<String>,
-    /// Names of kinds of damage, and ids of cases, that trigger the code.
+    /// Names of kinds of damage, and ids of cases, that trigger the code. Empty if no file of the suite triggers it; then a test makes
+    /// a file that does.
+    #[serde(default)]
     pub provoked_by: Vec<String>,
 }
 

@@ -5,13 +5,19 @@
 
 use super::{Lint, diagnostic::Diagnostic};
 use crate::join_texts;
+use crate::readers::ReaderPrediction;
 
-/// Returns the header row, with two columns per reader.
+/// Returns the header row, with the columns of each reader.
 #[must_use]
 pub fn head<'a>(readers: impl Iterator<Item = &'a str>) -> String {
     const FILE_COLUMNS: &str = "file,status,format,width,height,bytes,errors,warnings,infos,codes,first,sha256,modified,version,scale,bias,quality,lossless,puid,repairable";
     let file_columns = FILE_COLUMNS.split(',').map(str::to_owned);
-    let reader_columns = readers.flat_map(|reader| [reader.to_owned(), format!("{reader}: how")]);
+    let reader_columns = readers.flat_map(|reader| {
+        // The first column has the name of the reader alone.
+        let others = ReaderPrediction::COLUMNS[1..].iter();
+        let others = others.map(move |column| format!("{reader}: {column}"));
+        std::iter::once(reader.to_owned()).chain(others)
+    });
     join_cells(file_columns.chain(reader_columns))
 }
 
@@ -48,8 +54,8 @@ pub fn row(lint: &Lint, readers: usize) -> String {
         text(&lint.repairable),
     ];
     let reader_columns = (0..readers).flat_map(|reader| match lint.readers.get(reader) {
-        Some(result) => [result.result.name().to_owned(), result.fault.clone()],
-        None => [String::new(), String::new()],
+        Some(prediction) => prediction.cells(),
+        None => [const { String::new() }; ReaderPrediction::COLUMNS.len()],
     });
     join_cells(file_columns.into_iter().chain(reader_columns))
 }

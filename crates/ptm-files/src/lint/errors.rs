@@ -1,6 +1,6 @@
 //! Maps errors of the reference decoder to lint codes.
 
-use super::{codes::Problem, diagnostic::Findings, planes};
+use super::{codes::Problem, diagnostic::Findings, fits, planes};
 use crate::dissection::{Dissection, Role};
 use ptm::error::{Class, Error, Kind};
 use ptm::{Limits, Size};
@@ -15,7 +15,13 @@ pub(super) fn diagnose(findings: &mut Findings) {
         // The reference stops at the first error, so check every plane.
         "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => planes::diagnose_errors(findings),
         clause if !is_too_large || error.class() != Class::Limit => {
-            let (problem, found) = (classify(dissection, error), error.kind().to_string());
+            let problem = classify(dissection, error);
+            let mut found = error.kind().to_string();
+            if let Problem::Index | Problem::PayloadEnds | Problem::EntryCount = problem
+                && let Some(explanation) = fits::explanation(dissection)
+            {
+                found = format!("{found}; {explanation}");
+            }
             findings.add_at(problem, error.offset(), found);
             findings.list.last_mut().expect("it was just added").clause = clause;
         }

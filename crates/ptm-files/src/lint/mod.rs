@@ -8,9 +8,12 @@
 mod choices;
 pub mod codes;
 pub mod csv;
+pub(crate) mod damage;
 pub mod diagnostic;
 mod errors;
+mod fits;
 mod header;
+mod lights;
 pub mod metadata;
 pub mod names;
 mod planes;
@@ -107,6 +110,8 @@ fn find(dissection: &Dissection, streams: Option<&Streams>) -> Vec<Diagnostic> {
     values::diagnose(&mut findings);
     planes::diagnose(&mut findings, streams);
     choices::diagnose(&mut findings, streams);
+    damage::diagnose(&mut findings);
+    lights::diagnose(&mut findings);
     findings.list
 }
 
@@ -124,11 +129,15 @@ impl Lint {
     pub fn new(name: &str, file: &[u8]) -> Lint {
         let (dissection, streams) = Dissection::with_streams(file);
         let mut findings = find(&dissection, streams.as_ref());
-        let status = Status::new(name, &dissection);
+        let is_error = |finding: &Diagnostic| finding.severity == Severity::Error;
+        let status = match Status::new(name, &dissection) {
+            // The decoder does not notice every damage.
+            Status::Sound if findings.iter().any(is_error) => Status::Damaged,
+            status => status,
+        };
         let mut reason = None;
         // A file of another version or beyond a limit of the reference breaks no rule.
         if status == Status::NotJudged {
-            let is_error = |finding: &Diagnostic| finding.severity == Severity::Error;
             let error = findings.iter().find(|finding| is_error(finding));
             reason = error.map(not_judged_reason);
             findings.retain(|finding| !is_error(finding));
@@ -234,10 +243,28 @@ impl Lint {
     pub fn predictions_text(&self) -> String {
         let mut out = String::new();
         for reader in &self.readers {
-            let _ = write!(out, "    in {}: {}", reader.reader, reader.result.name());
+            let _ = write!(out, "    in {}: {}", reader.reader, reader.result.label());
+            if let (Some(largest), Some(share)) = (reader.largest_difference, reader.visible_share)
+                && share > 0.0
+            {
+                let percent = 100.0 * share;
+                let _ = write!(
+                    out,
+                    ", up to {largest} of 255 in {percent:.1} % of the texels"
+                );
+            }
+            if let Some(evidence) = reader.evidence {
+                let _ = write!(out, " ({})", evidence.label());
+            }
             let details = [("", Some(&reader.fault)), ("fix: ", reader.fix.as_ref())];
             for (label, text) in details {
                 if let Some(text) = text.filter(|text| !text.is_empty()) {
+                    // A missing fix needs no label.
+                    let label = if text.starts_with("no fix") {
+                        ""
+                    } else {
+                        label
+                    };
                     let _ = write!(out, "; {label}{text}");
                 }
             }

@@ -161,11 +161,28 @@ fn segment_problem(coding: Coding, segment: &Segment) -> Option<Problem> {
         (SegmentKind::Marker(0xe0..=0xef | 0xfe), _) if !is_jfif => Some(Problem::StreamExtras),
         (SegmentKind::Fill, _) => Some(Problem::StreamExtras),
         (SegmentKind::Marker(0xdd), _) => Some(Problem::Restarts),
+        (SegmentKind::Marker(0xdb), bytes) if has_16_bit_table(bytes) => {
+            Some(Problem::StreamTables16)
+        }
         (SegmentKind::Trailing, _) => Some(Problem::StreamTrailing),
         // LSE of type 1 with MAXVAL below 255. The value 0 means the default (T.87 C.2.4.1.1).
         (SegmentKind::Marker(0xf8), [_, _, _, _, 1, 0, 1..=254, ..]) => Some(Problem::StreamMaxval),
         _ => None,
     }
+}
+
+/// Returns true if a DQT segment has a table of 16-bit steps (T.81 B.2.4.1). Such tables require 12-bit samples (ruling
+/// `plane-tables`), and a plane has 8-bit samples.
+fn has_16_bit_table(segment: &[u8]) -> bool {
+    const STEPS: usize = 64;
+    let mut tables = segment.get(4..).unwrap_or_default();
+    while let [precision_and_number, rest @ ..] = tables {
+        match precision_and_number >> 4 {
+            0 => tables = rest.get(STEPS..).unwrap_or_default(),
+            _ => return true,
+        }
+    }
+    false
 }
 
 /// Reports the first texel that has two records (ruling `side-twice`).

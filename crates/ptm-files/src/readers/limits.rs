@@ -4,8 +4,8 @@ use std::borrow::Cow;
 
 use serde::de::{Deserialize, Deserializer, Error};
 
-use ptm::decode::examine;
-use ptm::{Field, Format};
+use ptm::error::Error as PtmError;
+use ptm::{Field, Format, Ptm};
 
 /// A limit of a reader.
 #[derive(Clone, Copy, Debug)]
@@ -28,7 +28,7 @@ pub(super) enum Effect {
     Wrong(&'static str),
 }
 
-const LIMITS: [Limit; 9] = [
+const LIMITS: [Limit; 13] = [
     // These readers do not check the lists of motion vectors.
     Limit {
         slug: "blanks-of-compressed-refused",
@@ -67,6 +67,31 @@ const LIMITS: [Limit; 9] = [
         behavior: "refuses a scale that is too small for the program's floating-point type",
         effect: Effect::Refused("a scale is close to zero"),
         is_exceeded: |file| file.has_underflow(),
+    },
+    Limit {
+        slug: "small-payload-refused",
+        behavior: "refuses a file with fewer than 36 bytes of values, or fewer than 9 · width + 18",
+        effect: Effect::Refused("the map has one row or very few texels"),
+        is_exceeded: |file| file.payload_bytes() < 36.max(9 * file.width() + 18),
+    },
+    Limit {
+        slug: "coefficients-beyond-32-bits-wrong",
+        behavior: "shows wrong colors if a coefficient does not fit in 32 bits",
+        effect: Effect::Wrong("a coefficient does not fit in 32 bits"),
+        is_exceeded: |file| file.has_coefficients_beyond_32_bits(),
+    },
+    // The padding is uninitialized, so the image changes from run to run.
+    Limit {
+        slug: "row-padding-shown",
+        behavior: "shows uninitialized bytes as texels if a plane has several rows and its width is not a multiple of four",
+        effect: Effect::Wrong("rows are displaced, with arbitrary texels between them"),
+        is_exceeded: |file| file.is_compressed() && file.width() % 4 != 0 && file.height() > 1,
+    },
+    Limit {
+        slug: "side-information-refused",
+        behavior: "fails on planes with side information",
+        effect: Effect::Refused("a plane has side information"),
+        is_exceeded: |file| file.numbers("2.9.7/1").any(|size| size > 0),
     },
     Limit {
         slug: "motion-refused",
@@ -118,9 +143,13 @@ pub(super) struct FileTraits<'a> {
 }
 
 impl<'a> FileTraits<'a> {
-    pub(super) fn new(file: &'a [u8]) -> FileTraits<'a> {
+    /// Returns the properties of a file from its fields and the result of decoding it.
+    pub(super) fn new(
+        file: &'a [u8],
+        fields: Vec<Field>,
+        outcome: &Result<Ptm, PtmError>,
+    ) -> FileTraits<'a> {
         const PAYLOAD: [&str; 5] = ["2.5/3", "2.7/1", "2.8.1/1", "2.9.8/2", "2.9.8/4"];
-        let (fields, outcome) = examine(file);
         let header = fields
             .iter()
             .take_while(|field| !PAYLOAD.contains(&field.clause));
@@ -129,9 +158,30 @@ impl<'a> FileTraits<'a> {
         FileTraits {
             file,
             payload: line_feed.map_or(file.len(), |length| end + length + 1),
-            format: outcome.ok().map(|ptm| ptm.header.format),
+            format: outcome.as_ref().ok().map(|ptm| ptm.header.format),
             fields,
         }
+    }
+
+    /// Returns the number of bytes after the header.
+    fn payload_bytes(&self) -> usize {
+        self.file.len() - self.payload
+    }
+
+    fn width(&self) -> usize {
+        self.length(0)
+    }
+
+    fn height(&self) -> usize {
+        self.length(1)
+    }
+
+    /// Returns the width (0) or the height (1).
+    fn length(&self, index: usize) -> usize {
+        let length = self.numbers("2.3/1").nth(index);
+        length
+            .and_then(|length| length.try_into().ok())
+            .unwrap_or(0)
     }
 
     fn fields_of_clause(&self, clause: &str) -> impl Iterator<Item = &Field> {
@@ -171,6 +221,12 @@ impl<'a> FileTraits<'a> {
         })
     }
 
+    fn has_coefficients_beyond_32_bits(&self) -> bool {
+        let scales = self.texts("2.4/3");
+        let mut scales = scales.filter_map(|text| text.parse::<f64>().ok());
+        scales.any(|scale| scale.abs() * 255.0 > f64::from(i32::MAX))
+    }
+
     fn is_compressed(&self) -> bool {
         self.format.and_then(Format::coding).is_some()
     }
@@ -187,9 +243,10 @@ impl<'a> FileTraits<'a> {
         counts.eq([1, planes, planes, planes, planes, planes, planes, planes])
     }
 
+    /// Returns true if a predicted plane has a motion vector, which may be zero.
     fn moves(&self) -> bool {
-        let mut transforms = self.numbers("2.9.2/1");
-        transforms.any(|transform| transform & 2 != 0)
+        let mut steps = self.numbers("2.9.2/1").zip(self.numbers("2.9.5/1"));
+        steps.any(|(transform, reference)| transform & 2 != 0 && reference >= 0)
     }
 
     fn has_trailing_bytes(&self) -> bool {

@@ -2,9 +2,10 @@
 
 use std::sync::LazyLock;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use super::limits::Limit;
+use super::unusual::UnusualKind;
 use crate::error::{Error, Result};
 use ptm::Format;
 use ptm_mistakes::Misreading;
@@ -31,16 +32,39 @@ pub struct ReaderProfile {
     /// Other limits of the reader.
     #[serde(default)]
     pub limits: Vec<KnownLimit>,
+    /// Behavior on kinds of files that the reference refuses.
+    #[serde(default)]
+    pub unusual: Vec<UnusualBehavior>,
 }
 
-/// A kind of evidence.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+/// A kind of evidence, the stronger one first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Evidence {
-    /// The reader was run on the cases of the suite.
+    /// The reader was run.
     Run,
     /// The source code of the reader was examined.
     Code,
+}
+
+impl Evidence {
+    /// Returns the name used in `readers.yaml` and in machine-readable output.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Evidence::Run => "run",
+            Evidence::Code => "code",
+        }
+    }
+
+    /// Describes the evidence.
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            Evidence::Run => "the reader was run",
+            Evidence::Code => "its source was read",
+        }
+    }
 }
 
 /// A known misreading of a reader.
@@ -61,6 +85,48 @@ pub struct KnownLimit {
     pub limit: Limit,
     /// Evidence for the limit.
     pub evidence: Evidence,
+}
+
+/// What a reader shows for a kind of file that the reference refuses.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct UnusualBehavior {
+    /// The kind of file.
+    pub kind: UnusualKind,
+    /// Short names of the formats that the row is about; empty for all formats.
+    #[serde(default)]
+    pub formats: Vec<String>,
+    /// What the reader shows.
+    pub shows: UnusualResult,
+    /// The visible fault, if the reader shows a wrong image.
+    #[serde(default, rename = "how")]
+    pub fault: String,
+    /// Evidence for the behavior.
+    pub evidence: Evidence,
+}
+
+/// What a reader shows for a kind of file that the reference refuses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum UnusualResult {
+    /// The same as for the corresponding legal file.
+    Same,
+    /// A wrong image.
+    Wrong,
+    /// No image.
+    Nothing,
+}
+
+impl UnusualResult {
+    /// Describes the behavior as a predicate: "the reader …".
+    #[must_use]
+    pub const fn label(self) -> &'static str {
+        match self {
+            UnusualResult::Same => "shows",
+            UnusualResult::Wrong => "shows a wrong image of",
+            UnusualResult::Nothing => "refuses",
+        }
+    }
 }
 
 static ALL: LazyLock<Vec<ReaderProfile>> = LazyLock::new(|| {
@@ -94,15 +160,40 @@ impl ReaderProfile {
         self.formats.iter().any(|name| name == format.short_name())
     }
 
+    /// Returns the behavior on a kind of file, if it is known for the format. The format may be unknown, because versions other
+    /// than 1.2 are not parsed.
+    pub(super) fn behavior(
+        &self,
+        kind: UnusualKind,
+        format: Option<Format>,
+    ) -> Option<&UnusualBehavior> {
+        let is_about = |row: &&UnusualBehavior| {
+            let mut formats = row.formats.iter();
+            row.formats.is_empty() || formats.any(|name| is_short_name(name, format))
+        };
+        let mut rows = self.unusual.iter().filter(|row| row.kind == kind);
+        rows.find(is_about)
+    }
+
+    /// Returns the weakest evidence for the formats and for these misreadings.
+    pub(super) fn evidence_for(&self, misreadings: &[&'static str]) -> Evidence {
+        let rows = self.misreadings.iter();
+        let rows = rows.filter(|row| misreadings.contains(&row.slug.as_str()));
+        rows.map(|row| row.evidence)
+            .fold(self.evidence, Evidence::max)
+    }
+
     /// Returns the catalog entries of the reader's misreadings, in the order of the profile.
     pub(super) fn active_misreadings(&self) -> Vec<&'static Misreading> {
         let slugs = self.misreadings.iter().map(|known| &known.slug);
         slugs.filter_map(|slug| ptm_mistakes::find(slug)).collect()
     }
 
+    /// Checks the names of formats and misreadings, and that the misreadings do not exclude each other.
     fn check(&self) -> Result<()> {
         let fail = |why: String| Error::impossible(format!("{}: {why}", self.name));
-        for name in &self.formats {
+        let limited = self.unusual.iter().flat_map(|row| &row.formats);
+        for name in self.formats.iter().chain(limited) {
             if !Format::ALL.iter().any(|format| format.short_name() == name) {
                 return fail(format!("unknown format {name}"));
             }
@@ -129,4 +220,8 @@ impl ReaderProfile {
         }
         Ok(())
     }
+}
+
+fn is_short_name(name: &str, format: Option<Format>) -> bool {
+    format.is_some_and(|format| format.short_name() == name)
 }
