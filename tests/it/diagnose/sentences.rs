@@ -1252,7 +1252,7 @@ fn values_that_only_the_frame_has_wrong_are_said_to_be_written_wrong() {
     };
     let without_last_byte: fn(f32) -> f32 = |value| f32::from_bits(value.to_bits() & 0x00ff_ffff);
     let report = printed_report(&suite, |request| with_values(request, without_last_byte));
-    let report = report.says(&["although the colors that follow from them are correct"]);
+    let report = report.says(&["although all colors under a light are correct"]);
     let nan = printed_report(&suite, |request| with_values(request, |_| f32::NAN));
     assert_all_true([
         report.has_causes(1),

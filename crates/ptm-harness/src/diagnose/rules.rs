@@ -116,14 +116,14 @@ pub(super) fn is_shown_by_responses(
 
 /// *One mistake is one cause.*
 ///
-/// Returns true if some response in `left` is a failure of the same kind as one in `cases`, which have no image: the same format,
-/// the same failure mode, and a last line on standard error of the same form. A misreading that would only refuse the files in
-/// `cases` does not show that these failures are separate.
-pub(super) fn splits_failures_of_one_kind(
+/// Counts the responses in `left` that are failures of the same kind as one in `cases`, which have no image: the same format, the
+/// same failure mode, and a last line on standard error of the same form. A misreading that would only refuse the files in `cases`
+/// does not show that these failures are separate.
+pub(super) fn count_failures_of_the_same_kind(
     witnesses: &[Witness],
     cases: &[usize],
     left: &[usize],
-) -> bool {
+) -> usize {
     let is_same_kind = |&a: &usize, &b: &usize| {
         let [a, b] = [&witnesses[a], &witnesses[b]];
         let form = |witness: &Witness| message_form(&witness.observation.stderr);
@@ -132,9 +132,8 @@ pub(super) fn splits_failures_of_one_kind(
             && FailureMode::new(a).is_some_and(|mode| FailureMode::new(b) == Some(mode))
             && form(a) == form(b)
     };
-    cases
-        .iter()
-        .any(|case| left.iter().any(|other| is_same_kind(case, other)))
+    let has_kind = |other: &&usize| cases.iter().any(|case| is_same_kind(case, other));
+    left.iter().filter(has_kind).count()
 }
 
 /// *"Would look the same" is said only after the outputs for all these files have been compared.*

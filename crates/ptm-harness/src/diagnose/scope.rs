@@ -148,7 +148,8 @@ impl SharedScope {
         }
     }
 
-    /// Returns text such as " (other files: at most 4)", or an empty string if the scope is not limited by a quantity.
+    /// Returns text such as " (other files: at most 4)", or an empty string if the scope is not limited by a quantity or contains
+    /// other files: those fail in another way, or were not judged.
     fn nearest_value_outside(&self, witnesses: &[Witness]) -> String {
         let FileScope::Beyond {
             quantity,
@@ -159,10 +160,15 @@ impl SharedScope {
         else {
             return String::new();
         };
-        let is_other = |witness: &&Witness| {
-            self.formats.contains(&witness.case.format()) && !self.scope.contains(witness)
-        };
-        let others = witnesses.iter().filter(is_other);
+        let of_formats =
+            (0..witnesses.len()).filter(|&w| self.formats.contains(&witnesses[w].case.format()));
+        let (inside, others): (Vec<usize>, Vec<usize>) =
+            of_formats.partition(|&w| self.scope.contains(&witnesses[w]));
+        let is_whole = inside.iter().all(|w| self.cases.contains(w));
+        if !is_whole || has_unjudged_files(witnesses, &[&inside[..], &others[..]].concat()) {
+            return String::new();
+        }
+        let others = others.iter().map(|&w| &witnesses[w]);
         let values = others.filter_map(|witness| witness.facts().quantities[quantity].2);
         let (side, nearest) = match is_minimum {
             true => ("most", values.reduce(f64::max)),
@@ -256,6 +262,20 @@ pub(super) fn common_property(witnesses: &[Witness], cases: &[usize]) -> Option<
     let (_, text) = properties[index].0.split_once(' ')?;
     let is_rare = !is_substantial(count, others.len());
     (is_rare && is_significant && cases.len() >= MIN_SHARING_FILES).then_some(text)
+}
+
+/// Returns true if some legal files of the same formats are not witnesses, for example because they are unsupported.
+pub(super) fn has_unjudged_files(witnesses: &[Witness], indices: &[usize]) -> bool {
+    let is_legal_of = |format: Format, witness: &&Witness| {
+        witness.case.format() == format && witness.case.expect == Expect::Decode
+    };
+    indices.iter().any(|&w| {
+        let format = witnesses[w].case.format();
+        let legal = witnesses
+            .iter()
+            .filter(|witness| is_legal_of(format, witness));
+        legal.count() < witnesses[w].legal_files
+    })
 }
 
 /// Returns the formats of the files in `group` that no file in `others` has.

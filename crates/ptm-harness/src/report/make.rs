@@ -109,7 +109,7 @@ where
             mode: "one-shot".to_owned(),
             views: views.map(|&view| view.to_owned()).collect(),
             decodes: decoded.map(ToString::to_string).collect(),
-            unsupported: unsupported(run),
+            unsupported: unsupported(run, &features),
         },
         verdict,
         reason: run.not_a_decoder.clone(),
@@ -209,10 +209,17 @@ fn table_readings<C: TestCase>(suite: &Suite<C>, run: &RunOf<C>) -> Vec<Followed
         .into()
 }
 
-/// Returns everything for which the decoder always exits with status 69: features, and views of individual kinds of cases.
-fn unsupported<V, T, D, F: Display>(run: &Run<V, T, D, F>) -> Vec<String> {
-    let features = run.judgment.unsupported.iter();
-    let mut names: Vec<String> = features.map(ToString::to_string).collect();
+/// Returns everything for which the decoder always exits with status 69: features, and views of individual kinds of cases. This includes
+/// features that only cases need that were not requested because they also need a lacking one.
+fn unsupported<V, T, D, F: Display + Ord>(
+    run: &Run<V, T, D, F>,
+    features: impl Fn(usize) -> BTreeSet<F>,
+) -> Vec<String> {
+    let not_asked = run.not_asked.iter().flat_map(|(_, cases)| cases);
+    let not_asked: BTreeSet<F> = not_asked.flat_map(|&i| features(i)).collect();
+    let lacking = not_asked.difference(&run.judgment.decoded);
+    let all: BTreeSet<&F> = run.judgment.unsupported.iter().chain(lacking).collect();
+    let mut names: Vec<String> = all.into_iter().map(ToString::to_string).collect();
     for (view, kind) in &run.offer.missing_views {
         let name = format!("{view} of {kind}");
         // The colors of LUM are already listed as a feature.

@@ -83,6 +83,11 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
             replace_conditionally(node, scope)
         }));
     }
+    // A final value that does not depend on the stored value, except for a constant, reveals a wrong stored value.
+    if formula == Formula::FinalCoefficient {
+        let raw = |node: &Expression| matches!(node, Expression::Variable(0));
+        all.retain(|one| matches!(one, Expression::Number(_)) || contains(one, &raw));
+    }
     // A color of an image may be rounded.
     if formula == Formula::Rendering {
         all.retain(|expression| !rounds(expression));
@@ -91,6 +96,12 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
     all.retain(|expression| known.insert(expression.display(scope)));
     let changes = all.into_iter().map(EditedForm::Expression);
     changes.map(|change| Edit { formula, change }).collect()
+}
+
+/// Returns true if a node of the expression satisfies `predicate`.
+fn contains(expression: &Expression, predicate: &dyn Fn(&Expression) -> bool) -> bool {
+    let mut children = expression.children().into_iter();
+    predicate(expression) || children.any(|child| contains(child, predicate))
 }
 
 /// Applies an operator to every node, from the root to the leaves.

@@ -97,10 +97,10 @@ pub(in crate::diagnose) fn describe(
     let (witnesses, cases) = (search.witnesses, &group.cases[..]);
     let mut wrong = wrong_channels(search, set, cases);
     wrong.retain(|_| cases.len() >= MIN_SHARING_FILES);
-    let [effect, fix] = match is_only_frame_wrong(search, step, cases) {
+    let [effect, fix] = match are_only_final_values_wrong(search, step, cases) {
         true => [
-            "writes wrong final values, although the colors that follow from them are correct",
-            "compare the samples that the decoder writes for view coef with the final values that it uses for colors, and their bytes with docs/protocol.md",
+            "shows wrong final values, although all colors under a light are correct",
+            "compare the code that computes and writes the values of view coef with the code that computes colors; docs/protocol.md describes the bytes",
         ],
         false => effect_and_fix(step),
     };
@@ -154,9 +154,8 @@ fn shape_text(search: &Search, set: &MistakeSet, step: Step, cases: &[usize]) ->
     })
 }
 
-/// Returns true if the decoder computes the final values of these formats correctly, but does not output them so: all colors of
-/// legal files are correct, and nearly all images of final values are wrong.
-fn is_only_frame_wrong(search: &Search, step: Step, cases: &[usize]) -> bool {
+/// Returns true if all colors of legal files of these formats are correct, and nearly all images of final values are wrong.
+fn are_only_final_values_wrong(search: &Search, step: Step, cases: &[usize]) -> bool {
     let format = |w: usize| search.witnesses[w].case.format();
     let of_view = |view: ViewKind| {
         let all = search.witnesses.iter().filter(move |witness| {

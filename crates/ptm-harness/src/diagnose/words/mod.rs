@@ -12,7 +12,7 @@ pub(super) mod violation;
 pub use arithmetic::format_steps as arithmetic_steps;
 
 use super::groups::Group;
-use super::scope::{SharedScope, common_property, list_formats, own_formats};
+use super::scope::{SharedScope, common_property, has_unjudged_files, list_formats, own_formats};
 use super::witness::Witness;
 use ptm::Format;
 use ptm_suite::cases::Expect;
@@ -55,20 +55,6 @@ fn files_in_scope(witnesses: &[Witness], shared: &SharedScope) -> String {
         1 => format!("{files} (and 1 that need not be decoded)"),
         more => format!("{files} (and {more} that need not be decoded)"),
     }
-}
-
-/// Returns true if some legal files of the same formats are not witnesses, for example because they are unsupported.
-fn has_unjudged_files(witnesses: &[Witness], indices: &[usize]) -> bool {
-    let is_legal_of = |format: Format, witness: &&Witness| {
-        witness.case.format() == format && witness.case.expect == Expect::Decode
-    };
-    indices.iter().any(|&w| {
-        let format = witnesses[w].case.format();
-        let legal = witnesses
-            .iter()
-            .filter(|witness| is_legal_of(format, witness));
-        legal.count() < witnesses[w].legal_files
-    })
 }
 
 /// Maximum number of formats in a list. Longer lists are omitted.
