@@ -169,13 +169,12 @@ fn explain_reader(profile: &ReaderProfile) -> String {
     let ReaderProfile { name, reader, .. } = profile;
     let misreadings = profile.misreadings.iter();
     let misreadings = misreadings.map(|row| format!("{} ({})", row.slug, row.evidence.name()));
-    let unusual: String = (profile.unusual.iter())
-        .map(|row| {
-            let (shows, files, evidence) =
-                (row.shows.label(), row.kind.label(), row.evidence.name());
-            format!("  {shows} files {files} ({evidence})\n")
-        })
-        .collect();
+    let mut unusual = String::new();
+    for row in &profile.unusual {
+        let (shows, files) = (row.shows.label(), row.kind.label());
+        let evidence = row.evidence.name();
+        let _ = writeln!(unusual, "  {shows} files {files} ({evidence})");
+    }
     format!(
         "reader {name}: {reader}\n  reads: {}\n  misreadings: {}\n{unusual}  Predictions: ptm-conform lint --for {name} FILE\n",
         profile.formats.join(", "),

@@ -44,7 +44,7 @@ fn utf8_surplus(dissection: &Dissection, start: usize) -> Option<usize> {
 }
 
 /// Returns the file before its payload was converted from Latin-1 to UTF-8, or `None` if it was not converted.
-pub(crate) fn without_utf8(dissection: &Dissection) -> Option<Vec<u8>> {
+pub fn without_utf8(dissection: &Dissection) -> Option<Vec<u8>> {
     let payload = dissection
         .parts
         .iter()
