@@ -257,6 +257,15 @@ pub fn run_measured(mut command: Command, report: &Path) -> (CheckRun, u64) {
         .spawn()
         .expect("the program starts");
     let status = format!("/proc/{}/status", child.id());
+    // For a moment, a new process has the memory of its parent. It gets its name after its own memory.
+    let program = Path::new(command.get_program()).file_name();
+    let name: String = program
+        .unwrap_or_default()
+        .to_string_lossy()
+        .chars()
+        .take(15)
+        .collect();
+    let name = format!("Name:\t{name}\n");
     let output = [
         child.stdout.take().map(read_in_background),
         child.stderr.take().map(read_in_background),
@@ -264,6 +273,7 @@ pub fn run_measured(mut command: Command, report: &Path) -> (CheckRun, u64) {
     let mut peak = 0;
     let exit = loop {
         let memory = fs::read_to_string(&status).unwrap_or_default();
+        let memory = memory.strip_prefix(&name).unwrap_or_default();
         let memory = memory.lines().find_map(|line| line.strip_prefix("VmHWM:"));
         let memory = memory.and_then(|text| text.trim().strip_suffix(" kB")?.parse().ok());
         peak = peak.max(memory.unwrap_or_default());

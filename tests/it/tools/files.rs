@@ -536,3 +536,31 @@ fn bash_accepts_its_completions() {
     let output = output.expect("bash starts");
     assert_eq!(output.stdout, b"lint\n", "{output:?}");
 }
+
+#[test]
+fn many_files_are_inspected() {
+    let here = Workspace::new();
+    here.copy_from_corpus("lrgb/first-lrgb.ptm");
+    let sound = here.read("first-lrgb.ptm");
+    here.write("files/a/one.ptm", &sound);
+    here.write("files/two.PTM", &sound[..60]);
+    here.write("files/photo.jpg", b"\xff\xd8");
+    let output = here.command("inspect --json files first-lrgb.ptm").output();
+    let output = output.expect("the program starts");
+    assert_eq!(output.status.code(), Some(65));
+    let text = String::from_utf8(output.stdout).expect("UTF-8");
+    let records = text.lines().map(serde_json::from_str::<serde_json::Value>);
+    let records: Vec<_> = records.collect::<Result<_, _>>().expect("JSON");
+    let names: Vec<_> = records
+        .iter()
+        .map(|record| record["file"].as_str())
+        .collect();
+    let expected = ["files/a/one.ptm", "files/two.PTM", "first-lrgb.ptm"].map(Some);
+    assert_eq!(names, expected);
+    assert_eq!(records[0]["width"], records[2]["width"]);
+    here.assert_lines(
+        "
+0 | inspect files/a | files/a/one.ptm
+2 | inspect files/a none.ptm | none.ptm",
+    );
+}
