@@ -148,7 +148,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
     let readers = readers::select_profiles(&profiles, &args.readers)?;
     let earlier = args.resume.as_deref().map(EarlierRows::read).transpose()?;
     if let Some(earlier) = &earlier {
-        earlier.check_format(format)?;
+        earlier.check_format(format, readers.iter().map(|reader| &*reader.name))?;
     }
     let mut baseline = args
         .baseline

@@ -40,6 +40,8 @@ impl EarlierRow {
 /// The rows of an earlier run, by file.
 pub struct EarlierRows {
     format: RowFormat,
+    /// The names of the columns; empty for records in JSON.
+    columns: Vec<String>,
     rows: HashMap<String, EarlierRow>,
 }
 
@@ -85,22 +87,33 @@ impl EarlierRows {
             } else {
                 RowFormat::Csv
             },
+            columns,
             rows,
         })
     }
 
-    /// Returns an error if rows in `format` cannot continue these.
-    pub fn check_format(&self, format: RowFormat) -> Result<(), String> {
-        match self.rows.is_empty() || self.format == format {
-            true => Ok(()),
-            false => Err(format!(
-                "--resume needs the format of the earlier rows: --format {}",
-                if self.format == RowFormat::Csv {
-                    "csv"
-                } else {
-                    "jsonl"
-                }
-            )),
+    /// Returns an error if rows in `format`, with the columns of these readers, cannot continue these.
+    pub fn check_format<'a>(
+        &self,
+        format: RowFormat,
+        readers: impl Iterator<Item = &'a str>,
+    ) -> Result<(), String> {
+        if self.rows.is_empty() {
+            return Ok(());
+        }
+        if self.format != format {
+            let name = if self.format == RowFormat::Csv {
+                "csv"
+            } else {
+                "jsonl"
+            };
+            return Err(format!(
+                "--resume needs the format of the earlier rows: --format {name}"
+            ));
+        }
+        match format == RowFormat::Csv && self.columns != split_row(head(readers).trim_end()) {
+            true => Err("--resume needs the same --for as the earlier rows".to_owned()),
+            false => Ok(()),
         }
     }
 

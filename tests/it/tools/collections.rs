@@ -172,6 +172,7 @@ fn only_changed_files_are_read_again() {
     here.assert_lines(
         "
 2 | lint --resume rows.csv --format jsonl files | --format csv
+2 | lint --resume rows.csv --format csv --for relight files | the same --for
 2 | lint --resume files/0/1.ptm --format csv files | not the rows
 2 | lint --resume none.csv --format csv files | none.csv",
     );
