@@ -3,13 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 
+#[allow(dead_code, reason = "the tests skip, and this target only counts")]
+#[path = "it/skip.rs"]
+mod skip;
+
 fn main() {
-    #[cfg(unix)]
-    let parent = std::os::unix::process::parent_id();
-    #[cfg(not(unix))]
-    let parent = 0;
-    // The tests of this `cargo test` have written it (tests/it/skip.rs).
-    let path = format!("{}/skipped-{parent}", env!("CARGO_TARGET_TMPDIR"));
+    let path = skip::list();
     let list = fs::read_to_string(&path).unwrap_or_default();
     let _ = fs::remove_file(&path);
     let mut needs: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();

@@ -10,10 +10,10 @@ use super::calls::{RunArgs, quote_command};
 use super::{CommandError, EXIT_NOTHING_SELECTED};
 use super::{ending::OutputArgs, names::did_you_mean};
 use ptm_harness::pipeline::recorder::ShardRecorder;
-use ptm_harness::report::shards::Shard;
 use ptm_harness::runner::processes;
 use ptm_harness::session::plan::SAMPLE_INTERVAL;
 use ptm_suite::cases::Suite;
+use ptm_suite::kit::shard::Shard;
 use ptm_suite::protocol::frame::ViewKind;
 use ptm_suite::test_case::{Listed, Output};
 
@@ -146,7 +146,7 @@ impl CheckArgs {
             let mut asked = self.clauses.iter();
             asked.any(|asked| is_at_or_below(clause, asked))
         };
-        let is_in_shard = |id: &str| self.shard.is_none_or(|shard| shard.contains_case(id));
+        let is_in_shard = |id: &str| self.shard.is_none_or(|shard| shard.contains(id.as_bytes()));
         let matches = |case: &C| {
             is_named(case.id())
                 && (self.clauses.is_empty() || case.clauses().iter().any(is_about))

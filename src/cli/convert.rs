@@ -177,26 +177,27 @@ fn repair_files(args: &ConvertArgs, directory: &Path) -> CommandResult {
         let output = directory.join(file.file_name().unwrap_or_default());
         let read = files::read(file);
         let before = read.as_ref().map_or(String::new(), |bytes| sha256(bytes));
-        let done = match &read {
+        let repaired = match &read {
             Err(why) => Err(("unreadable", why.clone())),
-            Ok(bytes) if decode(bytes).is_ok() && repair(bytes).is_err() => {
-                Err(("sound", String::new()))
-            }
-            Ok(bytes) => repair(bytes)
-                .map_err(|why| ("not repairable", why.to_string()))
-                .and_then(|repaired| {
-                    let is_new = written.insert(output.clone()) && check_new(&output).is_ok();
-                    if !is_new {
-                        let why = "a file of this name already exists".to_owned();
-                        return Err(("not written", why));
-                    }
-                    if !args.dry_run {
-                        let done = files::write_atomically(&output, &repaired.bytes);
-                        done.map_err(|why| ("not written", why))?;
-                    }
-                    Ok(repaired)
-                }),
+            Ok(bytes) => repair(bytes).map_err(|why| match decode(bytes) {
+                Ok(_) => ("sound", String::new()),
+                Err(_) => ("not repairable", why.to_string()),
+            }),
         };
+        let done = repaired.and_then(|repaired| {
+            let is_new = written.insert(output.clone()) && check_new(&output).is_ok();
+            if !is_new {
+                return Err((
+                    "not written",
+                    "a file of this name already exists".to_owned(),
+                ));
+            }
+            if !args.dry_run {
+                let done = files::write_atomically(&output, &repaired.bytes);
+                done.map_err(|why| ("not written", why))?;
+            }
+            Ok(repaired)
+        });
         bar.suspend(|| match done {
             Ok(repaired) => {
                 let result = if args.dry_run {

@@ -4,7 +4,6 @@ use std::fs::{self, File, Metadata};
 use std::io::{self, BufReader, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::atomic::{AtomicBool, AtomicIsize, Ordering::Relaxed};
 
 use clap::Args;
@@ -26,6 +25,7 @@ use ptm_files::lint::status::{MAGIC, Status, begins_like_a_ptm, is_named_ptm};
 use ptm_files::lint::{names::escape_name, settings::Settings};
 use ptm_files::readers::ReaderProfile;
 use ptm_suite::kit::digest::sha256;
+use ptm_suite::kit::shard::Shard;
 use ptm_suite::kit::{parallel::process_in_order, strip_os_error_code, yaml};
 
 /// Check files for errors, predict what other readers may show, and suggest fixes.
@@ -62,7 +62,7 @@ pub struct LintArgs {
     name: Vec<Pattern>,
     /// Check only part I of N. The path of a file determines its part.
     #[arg(long, value_name = "I/N")]
-    shard: Option<Part>,
+    shard: Option<Shard>,
     /// The format of the results: text, json, jsonl (a JSON record per line), yaml, csv (one row per file), html (a
     /// page with thumbnails) or sarif (2.1.0).
     #[arg(long, value_name = "FORMAT", conflicts_with_all = ["yaml", "json"], hide_possible_values = true)]
@@ -78,7 +78,7 @@ pub struct LintArgs {
     #[arg(long, requires = "resume")]
     rehash: bool,
     /// Compare with the csv or jsonl rows of an earlier run: print only what is new, changed, missing, newly damaged or repaired.
-    #[arg(long, value_name = "ROWS", conflicts_with = "format")]
+    #[arg(long, value_name = "ROWS", conflicts_with_all = ["format", "yaml", "json", "shard"])]
     baseline: Option<PathBuf>,
     /// Do not report this code. Repeatable.
     #[arg(long, value_name = "CODE")]
@@ -175,7 +175,10 @@ pub fn run(args: &LintArgs) -> CommandResult {
     let mut has_new_trouble = false;
     let walk = walk(named_sources(args), args.recursive);
     let walk = walk.take_while(|_| !closed.load(Relaxed));
-    let walk = walk.filter(|item| args.shard.is_none_or(|part| part.contains(item.path())));
+    let walk = walk.filter(|item| {
+        let path = item.path().as_os_str().as_encoded_bytes();
+        args.shard.is_none_or(|part| part.contains(path))
+    });
     let rank = |status: &u8| STATUSES_WORST_FIRST.iter().position(|one| one == status);
     process_in_order(walk, jobs, &|item| checker.check_item(item), |checked| {
         let (judged, shown) = match checked {
@@ -348,7 +351,7 @@ impl FileChecker<'_> {
         let read = File::open(path).and_then(|mut file| file.read_exact(&mut magic));
         match read {
             Ok(()) => magic == *MAGIC,
-            Err(error) => error.kind() == io::ErrorKind::PermissionDenied,
+            Err(error) => error.kind() != io::ErrorKind::UnexpectedEof,
         }
     }
 
@@ -430,35 +433,6 @@ fn modification_time(data: &Metadata) -> String {
         |_| String::new(),
         |time| humantime::format_rfc3339_nanos(time).to_string(),
     )
-}
-
-/// Part I of N of a collection.
-#[derive(Clone, Copy, Debug)]
-struct Part {
-    number: u64,
-    total: u64,
-}
-
-impl Part {
-    /// Returns true if this part contains the file. The part depends only on the path.
-    fn contains(self, path: &Path) -> bool {
-        let digest = sha256(path.as_os_str().as_encoded_bytes());
-        let first = u64::from_str_radix(&digest[..16], 16).expect("a digest is hexadecimal");
-        first % self.total == self.number - 1
-    }
-}
-
-impl FromStr for Part {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Part, String> {
-        let wrong = || format!("expected a part such as 3/8, found {text:?}");
-        let (number, total) = text.split_once('/').ok_or_else(wrong)?;
-        match (number.parse(), total.parse()) {
-            (Ok(number), Ok(total)) if (1..=total).contains(&number) => Ok(Part { number, total }),
-            _ => Err(wrong()),
-        }
-    }
 }
 
 fn parse_glob(text: &str) -> Result<Pattern, String> {

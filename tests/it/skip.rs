@@ -21,8 +21,9 @@ pub fn skip(missing: &str) -> bool {
     false
 }
 
-/// Returns the path of the list of skipped tests. All test targets of a `cargo test` have the same parent process.
-fn list() -> String {
+/// Returns the path of the list of skipped tests, which `tests/skipped.rs` reads. All test targets of a `cargo test` have the same
+/// parent process.
+pub fn list() -> String {
     #[cfg(unix)]
     let parent = std::os::unix::process::parent_id();
     #[cfg(not(unix))]

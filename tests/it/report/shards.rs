@@ -9,11 +9,12 @@ use ptm_harness::pipeline::recorder::ShardRecorder;
 use ptm_harness::pipeline::texture::TextureCheck;
 use ptm_harness::pipeline::{self, Check, Subject, check};
 use ptm_harness::report::Report;
-use ptm_harness::report::shards::{Circumstances, OtherRemarks, Shard, answers_path};
+use ptm_harness::report::shards::{Circumstances, OtherRemarks, answers_path};
 use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_harness::session::remark::Remark;
 use ptm_mistakes::answer;
 use ptm_suite::cases::Suite;
+use ptm_suite::kit::shard::Shard;
 use ptm_suite::protocol::frame::{Answer, Frame};
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 use ptm_suite::texture::cases::TextureView;
@@ -35,7 +36,7 @@ fn plan(suite: &Suite, part: Option<Shard>) -> RunPlan {
     let mut plan = RunPlan::new(suite, 2);
     plan.repeat = Repeat::Failures;
     for (case, selected) in suite.cases.iter().zip(&mut plan.selected) {
-        *selected = part.is_none_or(|part| part.contains_case(&case.id));
+        *selected = part.is_none_or(|part| part.contains(case.id.as_bytes()));
     }
     plan
 }
@@ -171,7 +172,7 @@ fn merged_shards_of_a_texture_stage_equal_the_whole_run() {
         let report = scratch.path().join(format!("{part:?}.yaml"));
         let mut plan = RunPlan::new(&suite, 2);
         for (case, selected) in suite.cases.iter().zip(&mut plan.selected) {
-            *selected = part.is_none_or(|part| part.contains_case(&case.id));
+            *selected = part.is_none_or(|part| part.contains(case.id.as_bytes()));
         }
         let check = TextureCheck {
             circumstances: circumstances(),

@@ -174,7 +174,9 @@ fn only_changed_files_are_read_again() {
 2 | lint --resume rows.csv --format jsonl files | --format csv
 2 | lint --resume rows.csv --format csv --for relight files | the same --for
 2 | lint --resume files/0/1.ptm --format csv files | not the rows
-2 | lint --resume none.csv --format csv files | none.csv",
+2 | lint --resume none.csv --format csv files | none.csv
+2 | lint --baseline rows.csv --shard 1/2 files | cannot be used with
+2 | lint --baseline rows.csv --json files | cannot be used with",
     );
 }
 

@@ -81,29 +81,18 @@ fn is_founded(
     explained: &[usize],
     left: &[usize],
 ) -> bool {
+    let others = || rules::count_failures_of_the_same_kind(search.witnesses, explained, left);
+    let are_refusals = search.mistakes[id].misreading.symptom == Symptom::Refusals;
+    let covers_its_kind = || match is_shown(search, set, id, explained) {
+        false => others() == 0,
+        true => !are_refusals || others() <= explained.len(),
+    };
     // Contradictions come last, because the search for them decodes large files.
     rules::explains_most_of_what_it_changes(search, set, id, explained, left)
         && !refusals::is_part_of_a_larger_group(search.witnesses, explained)
         && !refusals::is_single_among_others(search.witnesses, explained, left)
-        && !is_part_of_a_kind(search, set, id, explained, left)
+        && covers_its_kind()
         && !search.is_contradicted_anywhere(&without_id(set, id), id)
-}
-
-/// Returns true if a mistake explains only a part of the failures of one kind: some, if it is an observation, or a minority, if it
-/// consists of refusals.
-fn is_part_of_a_kind(
-    search: &Search,
-    set: &MistakeSet,
-    id: MistakeId,
-    explained: &[usize],
-    left: &[usize],
-) -> bool {
-    let others = || rules::count_failures_of_the_same_kind(search.witnesses, explained, left);
-    let are_refusals = search.mistakes[id].misreading.symptom == Symptom::Refusals;
-    match is_shown(search, set, id, explained) {
-        false => others() > 0,
-        true => are_refusals && others() > explained.len(),
-    }
 }
 
 /// Returns true if the responses show how the decoder computes. An edit always reproduces images.

@@ -5,10 +5,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use crate::report::document::Report;
-use crate::report::shards::{
-    AnswerRecorder, Circumstances, OtherRemarks, Shard, Trailer, answers_path,
-};
+use crate::report::shards::{AnswerRecorder, Circumstances, OtherRemarks, Trailer, answers_path};
 use crate::session::plan::RunPlan;
+use ptm_suite::kit::shard::Shard;
 use ptm_suite::kit::strip_os_error_code;
 use ptm_suite::protocol::request::{Reply, Request};
 use ptm_suite::test_case::Output;

@@ -11,58 +11,17 @@ use std::fmt;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 use std::sync::Mutex;
 
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Deserializer, Serialize};
-use sha2::{Digest, Sha256};
 
 use crate::session::{plan::RunPlan, remark::Remark};
 use ptm_suite::kit::digest::sha256;
+use ptm_suite::kit::shard::Shard;
 use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{AttemptKind, Reply, Request};
 use ptm_suite::test_case::Output;
-
-/// A part of the suite, written as `3/8` for the third of eight parts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Shard {
-    /// Number of the part, starting at 1.
-    pub number: u32,
-    /// Total number of parts.
-    #[serde(rename = "of")]
-    pub total: u32,
-}
-
-impl Shard {
-    /// Returns true if this part contains the case `id`. Adding cases does not move existing cases to other parts, because the
-    /// part depends only on the id.
-    #[must_use]
-    pub fn contains_case(self, id: &str) -> bool {
-        let digest = Sha256::digest(id.as_bytes());
-        let first = u64::from_be_bytes(digest[..8].try_into().expect("eight bytes"));
-        first % u64::from(self.total) == u64::from(self.number - 1)
-    }
-}
-
-impl FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Shard, String> {
-        let wrong = || format!("expected a part such as 3/8, found {text:?}");
-        let (number, of) = text.split_once('/').ok_or_else(wrong)?;
-        match (number.parse(), of.parse()) {
-            (Ok(number), Ok(total)) if (1..=total).contains(&number) => Ok(Shard { number, total }),
-            _ => Err(wrong()),
-        }
-    }
-}
-
-impl fmt::Display for Shard {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}/{}", self.number, self.total)
-    }
-}
 
 /// Properties of a run other than its plan and answers.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -288,7 +247,8 @@ mod tests {
     #[test]
     fn every_case_has_one_permanent_shard() {
         let part_of = |id: &str| {
-            let parts = (1..=8).filter(|&number| Shard { number, total: 8 }.contains_case(id));
+            let parts =
+                (1..=8).filter(|&number| Shard { number, total: 8 }.contains(id.as_bytes()));
             parts.collect::<Vec<_>>()
         };
         assert_eq!(part_of("one-texel-rgb"), [7]);
@@ -296,7 +256,7 @@ mod tests {
         let counts = (1..=8).map(|number| {
             let part = Shard { number, total: 8 };
             (0..8000)
-                .filter(|i| part.contains_case(&format!("case-{i}")))
+                .filter(|i| part.contains(format!("case-{i}").as_bytes()))
                 .count()
         });
         assert!(counts.into_iter().all(|count| (900..1100).contains(&count)));

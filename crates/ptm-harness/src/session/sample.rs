@@ -128,7 +128,8 @@ impl<'a, C: TestCase> Sample<'a, C> {
         }
     }
 
-    /// Returns the cases to request next: the prioritized ones, and the first of each clause that no case in `seen` tests.
+    /// Returns the cases to request next: the prioritized ones, and the first case of each clause that neither these nor the
+    /// requested ones test.
     pub fn of_every_clause(
         &self,
         prioritized: &[bool],

@@ -3,6 +3,7 @@
 pub mod digest;
 pub mod last_message;
 pub mod parallel;
+pub mod shard;
 pub mod yaml;
 
 /// Returns the message of an error without the error number of the operating system.

@@ -50,10 +50,8 @@ fn files_in_scope(witnesses: &[Witness], shared: &SharedScope) -> String {
         }
     };
     match shared.cases.len() - count {
-        0 => files,
-        _ if count == 0 => files,
-        1 => format!("{files} (and 1 that need not be decoded)"),
-        more => format!("{files} (and {more} that need not be decoded)"),
+        more if more > 0 && count > 0 => format!("{files} (and {more} that need not be decoded)"),
+        _ => files,
     }
 }
 
