@@ -164,6 +164,11 @@ final coefficient | (raw - select(at_most(abs(bias[i] + 1), 0), 0, bias[i])) * s
 final coefficient | select(at_most(abs(i - 4), 0), raw - bias[i], (raw - bias[i]) * scale[i])
   | coef | raw - bias[i] instead of && only in a4
 stored column | select(at_most(mod(height - 1 - y, 2), 0), x, width - 1 - x) | raw | the correct values in the wrong places
+polynomial | a0 * u * u + a1 * v * v + a2 * u * v + a3 * u + a4 * v - a5 | rgb | + a4 * v - a5 instead of
+matrix row | m[k] + Y + (m[4 + k] + Cr) + (m[8 + k] + Cb) + (m[12 + k] + 1) | rgb | m[4 + k] + Cr && m[12 + k] + 1
+matrix row | m[k] * Y + m[4 + k] * a5 + m[8 + k] * Cb + m[12 + k] | rgb | m[4 + k] * a5
+LRGB coefficient | row * width + x + 6 + i | any | x + 6 + i instead of
+RGB sample | ((c * height + row) * width + x) * 5 + i | any | * (6 + -1) + i instead of
 polynomial | a0 * u * u + a2 * u * v + a3 * u + a4 * v + a5 | rgb | a0 * u * u + a2 * u * v
 ";
 
@@ -221,6 +226,36 @@ fn mistake_outside_the_formulas_is_described() {
                 }
             },
             &["crashes", "more than 256 entries"],
+        ),
+        (
+            "colors one byte too late",
+            |_, answer| match answer {
+                Answer::Decoded(mut frame) => {
+                    if let (Samples::U8(samples), 9) = (&mut frame.samples, frame.channels) {
+                        for texel in samples.chunks_exact_mut(9) {
+                            texel.copy_within(6..8, 7);
+                            texel[6] = 0;
+                        }
+                    }
+                    Answer::Decoded(frame)
+                }
+                other => other,
+            },
+            &["wrong stored values: G has the values of R, B those of G, only in"],
+        ),
+        (
+            "samples one place too early",
+            |_, answer| match answer {
+                Answer::Decoded(mut frame) if frame.view == ViewKind::Raw => {
+                    if let Samples::U8(samples) = &mut frame.samples {
+                        samples.rotate_left(1);
+                    }
+                    Answer::Decoded(frame)
+                }
+                Answer::Decoded(_) => Answer::Unsupported,
+                other => other,
+            },
+            &["every channel but the last has the values of the next one"],
         ),
         (
             "last texel zero",

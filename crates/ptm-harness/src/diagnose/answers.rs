@@ -163,6 +163,16 @@ impl Witness<'_> {
         is_used && misreading.stage() <= last && mistake.affects(self.case.format())
     }
 
+    /// Returns true if the response can contradict `mistake`. A decoder may compare the size of the file with what the header requires
+    /// before it computes positions, so its refusal of a malformed file does not contradict an edited position.
+    pub fn can_contradict(&self, mistake: &Mistake) -> bool {
+        let is_refused = matches!(self.observation.response, Response::Rejected);
+        let is_malformed = is_refused && self.case.expect.is_refusal();
+        let is_edit = matches!(mistake.misreading.change, Change::Edits(_));
+        let is_position = is_edit && mistake.misreading.may_refuse();
+        self.can_affect(mistake) && !(is_malformed && is_position)
+    }
+
     /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a refusal.
     pub fn can_explain(&self, mistake: &Mistake) -> bool {
         let refused = !matches!(self.observation.response, Response::Image { .. });

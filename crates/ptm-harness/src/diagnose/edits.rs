@@ -47,7 +47,8 @@ pub(super) fn add_candidates(search: &mut Search, set: &MistakeSet, left: &[usiz
     add_restricted_misreadings(search, set, left);
 }
 
-/// Returns a few small failing images for each format and view. Prefers sizes that distinguish rows from columns.
+/// Returns a few small failing images for each format and view. Prefers images that are not blank, and sizes that distinguish rows
+/// from columns.
 fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     let mut kinds: BTreeMap<_, Vec<usize>> = BTreeMap::new();
     for w in search.comparable_images(left) {
@@ -61,7 +62,10 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
     };
     let mut probes: Vec<Vec<usize>> = kinds.into_values().collect();
     for group in &mut probes {
-        group.sort_by_key(|&w| (is_narrow(w), search.sample_count(w)));
+        group.sort_by_key(|&w| {
+            let is_blank = search.witnesses[w].is_blank_by_mistake();
+            (is_blank, is_narrow(w), search.sample_count(w))
+        });
         // Cases about different clauses reveal different mistakes.
         *group = interleave_groups(group, |w| search.witnesses[w].case.clauses.first().cloned());
         group.truncate(MAX_PROBES);
@@ -142,7 +146,9 @@ fn restrict(
     mistake: &Mistake,
     left: &[usize],
 ) -> Option<Mistake> {
-    let images = search.comparable_images(left);
+    let mut images = search.comparable_images(left);
+    // That the mistake reproduces a blank image supports nothing and refutes nothing.
+    images.retain(|&w| search.agreement_with(w, set, mistake) != Agreement::BlankImage);
     let fits = |w: &usize| {
         search.agreement_with(*w, set, mistake) == Agreement::Image
             && search.witnesses[*w].is_mistake_in_other_reading(mistake.misreading)
@@ -157,14 +163,16 @@ fn restrict(
         formats,
     };
     explained.retain(|&w| restricted.affects(search.witnesses[w].case.format()));
-    // With two restrictions, too many edits fit by chance, except for constants: values that the decoder never writes.
+    // With two restrictions, too many edits fit by chance, except for values that the decoder never writes or never changes.
     let is_limited_twice =
         restricted.channels != ChannelSubset::All && restricted.formats.is_some();
-    let is_number = matches!(
+    let is_plain = matches!(
         single_edit(mistake),
-        Some(EditedForm::Expression(Expression::Number(_)))
+        Some(EditedForm::Expression(
+            Expression::Number(_) | Expression::Variable(_)
+        ))
     );
-    if is_limited_twice && !is_number {
+    if is_limited_twice && !is_plain {
         return None;
     }
     rules::explains_more_than_a_description(search, set, &restricted, &explained, &images)

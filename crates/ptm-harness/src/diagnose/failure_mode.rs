@@ -125,7 +125,10 @@ pub(super) fn message_form(stderr: &str) -> String {
     let unquoted = unquoted.join("…");
     let words = unquoted.split_whitespace().map(|word| {
         let is_path = word.contains(['/', '\\']);
-        let is_number = word.contains(|c: char| c.is_ascii_digit());
+        let has_digit = word.contains(|c: char| c.is_ascii_digit());
+        let value = word.trim_matches(|c: char| !c.is_ascii_alphabetic());
+        let is_special = ["inf", "infinity", "nan"].contains(&&*value.to_ascii_lowercase());
+        let is_number = has_digit || is_special;
         if is_path || is_number { "…" } else { word }
     });
     words.collect::<Vec<_>>().join(" ")

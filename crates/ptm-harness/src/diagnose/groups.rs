@@ -50,6 +50,7 @@ pub(super) fn group_stops(search: &Search, left: &mut Vec<usize>) -> Vec<Group> 
         let message = message_form(&witnesses[w].observation.stderr);
         by_message.entry(message).or_default().push(w);
     }
+    join_unknown_messages(witnesses, &mut by_message);
     left.retain(|w| !is_stop(w));
     let mut groups: Vec<Group> = Vec::new();
     let mut rest: Vec<(String, Vec<usize>)> = Vec::new();
@@ -86,6 +87,22 @@ pub(super) fn group_stops(search: &Search, left: &mut Vec<usize>) -> Vec<Group> 
         }
     }
     groups
+}
+
+/// Joins failures without a message to the others if all have the same failure mode and all messages the same form. The messages of
+/// a decoder in serve mode are known for few of its failures.
+fn join_unknown_messages(witnesses: &[Witness], by_message: &mut BTreeMap<String, Vec<usize>>) {
+    let mut modes = by_message
+        .values()
+        .flatten()
+        .map(|&w| FailureMode::new(&witnesses[w]));
+    let first = modes.next();
+    if by_message.len() == 2 && modes.all(|mode| Some(mode) == first) {
+        let unknown = by_message.remove("").unwrap_or_default();
+        by_message
+            .values_mut()
+            .for_each(|cases| cases.extend(&unknown));
+    }
 }
 
 /// Returns what a substantial part of the files without an image share and no file in `read` has.

@@ -56,6 +56,13 @@ impl ImagePair {
         }
     }
 
+    /// Returns true if all samples received for `channel` equal those expected for `source`.
+    pub fn has_values_of(&self, channel: usize, source: usize) -> bool {
+        let expected = self.expected.chunks_exact(self.channels);
+        let mut texels = self.received.chunks_exact(self.channels).zip(expected);
+        texels.all(|(received, expected)| received[channel] == expected[source])
+    }
+
     /// Returns the indices of the samples that differ by more than their tolerance.
     pub fn wrong_samples(&self) -> Vec<usize> {
         let (expected, received) = (&self.expected, &self.received);

@@ -266,7 +266,7 @@ impl<'a> Search<'a> {
 
     /// Returns true if the response to case `w` contradicts the mistake `id` of a decoder that also makes the mistakes in `set`.
     pub fn is_contradicted(&self, w: usize, set: &[MistakeId], id: MistakeId) -> bool {
-        if !self.witnesses[w].can_affect(&self.mistakes[id]) {
+        if !self.witnesses[w].can_contradict(&self.mistakes[id]) {
             return false;
         }
         let (without, with) = (self.effect(w, set), self.effect(w, &with_id(set, id)));
@@ -291,7 +291,7 @@ impl<'a> Search<'a> {
     /// Returns the small files whose responses contradict one more mistake, which need not be a candidate.
     pub fn contradicting_files(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
         let is_contradicting = |&w: &usize| {
-            self.is_small(w) && self.witnesses[w].can_affect(mistake) && {
+            self.is_small(w) && self.witnesses[w].can_contradict(mistake) && {
                 let with = self.compare(w, &self.answer_with(w, set, mistake));
                 rules::contradicts(self.effect(w, set), with)
             }

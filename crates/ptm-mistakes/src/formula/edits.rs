@@ -169,16 +169,19 @@ fn replace_operators(node: &Expression, _: Scope) -> Vec<Expression> {
             let mut all: Vec<Expression> = terms.iter().map(negate).collect();
             // Put positive terms first, for readability.
             all.sort_by_key(|term| matches!(term, Expression::Negative(_)));
-            let split_every_term = |variant: usize| {
+            // A term without a factor is often the product of itself and a factor of 1 in a list of factors.
+            let split_every_term = |(variant, with_one): (usize, bool)| {
                 let changed = |term: &Expression| match term {
                     Expression::Product(factors) => split_product(factors)[variant].clone(),
+                    other if with_one => Expression::Sum(vec![other.clone(), number(1.0)]),
                     other => other.clone(),
                 };
                 Expression::Sum(terms.iter().map(changed).collect())
             };
             let sums = (0..terms.len()).rev().map(negate_term);
             let sums = sums.chain([Expression::Sum(all)]);
-            sums.chain([1, 0].map(split_every_term)).collect()
+            let every_term = [(1, false), (0, false), (1, true)].map(split_every_term);
+            sums.chain(every_term).collect()
         }
         Expression::Product(factors) => split_product(factors),
         Expression::Quotient(over, under) => {
@@ -303,6 +306,17 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
         let reversed = Expression::Sum(vec![radix.clone(), number(-1.0), negate(digit)]);
         all.push(with_digit(index, reversed, radix.clone()));
         if index > 0 {
+            // One product of the nested loops is a sum.
+            let sum = vec![
+                Expression::Address(digits[..index].to_vec()),
+                radix.clone(),
+                digit.clone(),
+            ];
+            let outer = (Expression::Sum(sum), radix.clone());
+            let inner = digits[index + 1..].iter().cloned();
+            all.push(Expression::Address(
+                [outer].into_iter().chain(inner).collect(),
+            ));
             for multiple in [4.0, 8.0, 2.0] {
                 all.push(with_digit(index, digit.clone(), round_up(radix, multiple)));
             }

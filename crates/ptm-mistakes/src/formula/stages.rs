@@ -641,7 +641,10 @@ pub fn image(
             if !edits.is_edited(Formula::MatrixRow) {
                 return evaluate::lum_color(&matrix, y, cr, cb, reading);
             }
-            let row = |k| edits.value(Formula::MatrixRow, &[y, cr, cb, k], &[&matrix.0]);
+            let row = |k| {
+                let variables = [y, cr, cb, k, texel[5]];
+                edits.value(Formula::MatrixRow, &variables, &[&matrix.0])
+            };
             [0.0, 1.0, 2.0].map(row)
         }
     };

@@ -21,6 +21,8 @@ use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
 
 /// Maximum number of channels that are listed by name.
 const MAX_LISTED: usize = 3;
+/// Minimum number of channels with the values of other channels that are too many to be listed.
+const MAX_MOVED: usize = 7;
 
 /// Returns the behavior of a decoder whose images first differ in this step, as a sentence without a subject, and advice on how to
 /// fix it.
@@ -109,9 +111,10 @@ pub(in crate::diagnose) fn describe(
         Some([first, second]) => (format!("swaps {first} and {second}"), swap_fix),
         None => (
             format!(
-                "{effect}{}{}{}",
+                "{effect}{}{}{}{}",
                 shape_text(search, set, step, cases),
                 value_text(search, set, cases),
+                source_text(search, set, cases),
                 channel_text(search, cases, &wrong)
             ),
             fix,
@@ -237,6 +240,55 @@ fn swapped_channels(
     let name = |channel| channel_name(wrong.len(), channel);
     let are_swapped = indices.iter().all(is_swapped);
     are_swapped.then(|| [name(first), name(second)])
+}
+
+/// Returns text such as ": G has the values of R, B those of G" if wrong channels have the values of other channels in all images of
+/// stored values.
+fn source_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
+    let pairs = cases.iter().filter_map(|&w| image_pair(search, set, w));
+    let pairs: Vec<ImagePair> = pairs.filter(|pair| pair.view == ViewKind::Raw).collect();
+    if pairs.len() < MIN_SUPPORT {
+        return String::new();
+    }
+    for (step, end, which) in [(1, "last", "next"), (-1, "first", "previous")] {
+        let is_moved = |pair: &ImagePair| {
+            let mut all = 0..pair.channels;
+            all.all(|channel| match channel.checked_add_signed(step) {
+                Some(source) if source < pair.channels => pair.has_values_of(channel, source),
+                _ => true,
+            })
+        };
+        if pairs.iter().all(is_moved) {
+            return format!(": every channel but the {end} has the values of the {which} one");
+        }
+    }
+    let channels = pairs[0].channels;
+    if pairs.iter().any(|pair| pair.channels != channels) {
+        return String::new();
+    }
+    let only_source = |channel: usize| {
+        let is_source = |&source: &usize| {
+            let mut pairs = pairs.iter();
+            pairs.all(|pair| pair.has_values_of(channel, source))
+        };
+        let sources: Vec<usize> = (0..channels).filter(is_source).collect();
+        match sources[..] {
+            [source] if source != channel => Some((channel, source)),
+            _ => None,
+        }
+    };
+    let moved: Vec<(usize, usize)> = (0..channels).filter_map(only_source).collect();
+    let verbs = ["has the values of"]
+        .into_iter()
+        .chain(std::iter::repeat("those of"));
+    let parts = moved.iter().zip(verbs).map(|(&(channel, source), verb)| {
+        let [channel, source] = [channel, source].map(|one| channel_name(channels, one));
+        format!("{channel} {verb} {source}")
+    });
+    match moved.len() {
+        0 | MAX_MOVED.. => String::new(),
+        _ => format!(": {}", parts.collect::<Vec<_>>().join(", ")),
+    }
 }
 
 /// Returns text such as ", only in a3" if all other channels are correct. Mistakes that were found may affect other channels; then
