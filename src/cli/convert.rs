@@ -1,6 +1,7 @@
 //! Subcommand `ptm-conform convert`.
 
 use std::collections::HashSet;
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -156,7 +157,8 @@ fn repair_files(args: &ConvertArgs, directory: &Path) -> CommandResult {
     }
     let row = |cells: [&str; 6]| {
         let cells = cells.into_iter().map(str::to_owned);
-        output::print(&join_cells(cells));
+        let row = join_cells(cells);
+        output::check_written(std::io::stdout().write_all(row.as_bytes()))
     };
     row([
         "file",
@@ -165,7 +167,7 @@ fn repair_files(args: &ConvertArgs, directory: &Path) -> CommandResult {
         "sha256",
         "sha256 of output",
         "details",
-    ]);
+    ])?;
     let bar = output::bar(
         Some(args.files.len() as u64),
         "{pos}/{len} files, {eta} left",
@@ -207,13 +209,13 @@ fn repair_files(args: &ConvertArgs, directory: &Path) -> CommandResult {
                 };
                 let output = escape_name(output.as_os_str());
                 let (after, changes) = (sha256(&repaired.bytes), repaired.changes.join("; "));
-                row([&name, result, &output, &before, &after, &changes]);
+                row([&name, result, &output, &before, &after, &changes])
             }
             Err((result, why)) => {
                 status = status.max(u8::from(result != "sound"));
-                row([&name, result, "", &before, "", &why]);
+                row([&name, result, "", &before, "", &why])
             }
-        });
+        })?;
         bar.inc(1);
     }
     bar.finish_and_clear();

@@ -39,9 +39,9 @@ use ptm_suite::kit::{parallel::process_in_order, strip_os_error_code, yaml};
 /// Codes are stable: PTM-E… the file breaks a rule or the reference cannot read it, PTM-W… some readers refuse it or show a
 /// different image, PTM-I… information. For example, `ptm-conform explain PTM-W102` describes a code.
 ///
-/// Exit status, the first that applies: 2 usage error; 1 a file is damaged or has errors (or warnings, with --deny-warnings); 6 a file
-/// cannot be read; 3 a file is foreign; 4 a file was not judged; 5 there is no file; 0 all files are sound. With --baseline: 1 a file
-/// is newly damaged, changed, missing, or new and not sound; 0 otherwise.
+/// Exit status, the first that applies: 2 usage error, or the results cannot be written; 1 a file is damaged or has errors (or
+/// warnings, with --deny-warnings); 6 a file cannot be read; 3 a file is foreign; 4 a file was not judged; 5 there is no file; 0 all
+/// files are sound. With --baseline: 1 a file is newly damaged, changed, missing, or new and not sound; 0 otherwise.
 #[derive(Args)]
 #[command(
     after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint -r --format csv /archive > archive.csv\n  ptm-conform lint -r --format csv --resume archive.csv /archive > whole.csv\n  ptm-conform lint -r --format html /archive > archive.html\n  ptm-conform lint -rq --baseline archive.csv /archive     # for cron: quiet if nothing has changed\n  find /archive -name '*.ptm' -print0 | ptm-conform lint -0 -\n  ptm-conform lint --only PTM-W301 --severity PTM-W301=error table.ptm"
@@ -171,6 +171,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
         }),
     };
     let (bar, closed) = (progress(args), AtomicBool::new(false));
+    let mut written = Ok(());
     let mut worst = 0;
     let mut has_new_trouble = false;
     let walk = walk(named_sources(args), args.recursive);
@@ -205,19 +206,26 @@ pub fn run(args: &LintArgs) -> CommandResult {
         };
         let status = exit_status(judged, settings.deny_warnings);
         worst = std::cmp::min_by_key(worst, status, rank);
-        // Stop if standard output was closed.
-        closed.fetch_or(shown.is_err(), Relaxed);
+        // Stop if standard output was closed, or a disk is full.
+        if shown.is_err() {
+            closed.store(true, Relaxed);
+            written = shown;
+        }
         bar.inc(1);
     });
     bar.finish_and_clear();
+    if written.is_err() {
+        output::check_written(written)?;
+        return Ok(worst);
+    }
     if let Some(baseline) = &baseline {
         let missing = baseline.missing();
         for file in &missing {
-            let _ = Rows::show_missing(file);
+            output::check_written(Rows::show_missing(file))?;
         }
         worst = u8::from(has_new_trouble || !missing.is_empty());
     }
-    let _ = rows.end();
+    output::check_written(rows.end())?;
     if let [0, others] = rows.counts()
         && baseline.is_none()
     {
@@ -407,6 +415,9 @@ impl FileChecker<'_> {
             if bytes.len() as u64 == HEAD_BYTES {
                 let rest = limit.saturating_add(1).saturating_sub(HEAD_BYTES);
                 file.take(rest).read_to_end(&mut bytes)?;
+            }
+            if data.is_file() && bytes.len() as u64 != length {
+                return Err(io::Error::other("the file changed while it was read"));
             }
             if bytes.len() as u64 > limit {
                 return too_long(None);

@@ -1,7 +1,7 @@
 //! Output functions: colored text, YAML or JSON for other programs, and progress bars.
 
 use std::borrow::Cow;
-use std::io::Write;
+use std::io::{self, Write};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 use clap::{Args, ColorChoice};
@@ -10,7 +10,7 @@ use serde::Serialize;
 use terminal_size::{Height, Width};
 use textwrap::{Options, WordSeparator, WordSplitter};
 
-use ptm_suite::kit::yaml::to_yaml;
+use ptm_suite::kit::{strip_os_error_code, yaml::to_yaml};
 
 /// Options common to all commands.
 #[derive(Args)]
@@ -58,6 +58,17 @@ pub fn is_quiet() -> bool {
 /// Prints text to standard output, in color if requested. A closed pipe is not an error.
 pub fn print(text: &str) {
     let _ = anstream::stdout().write_all(text.as_bytes());
+}
+
+/// Returns an error if results were lost, for example because a disk is full. A closed pipe is not an error.
+pub fn check_written(written: io::Result<()>) -> Result<(), String> {
+    match written {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => {
+            let error = strip_os_error_code(&error);
+            Err(format!("cannot write the results: {error}"))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Prints a message to standard error, wrapped to the width of the terminal. A closed pipe is not an error.

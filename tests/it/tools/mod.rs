@@ -1,5 +1,6 @@
 #![cfg(unix)]
 
+mod bad_input;
 mod collections;
 mod files;
 mod hostile;
