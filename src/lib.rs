@@ -3,7 +3,6 @@
 //! The parts that other programs can use are crates of their own: `ptm` (the reference decoder), `ptm-generate`, `ptm-texture`,
 //! `ptm-suite`, `ptm-mistakes`, `ptm-harness`, `ptm-files`, `ptm-writers` and `ptm-spec-cases`.
 
-#[cfg(unix)]
 mod lint_page;
 pub mod relight;
 pub mod report;

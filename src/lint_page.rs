@@ -9,7 +9,7 @@ use maud::{Markup, PreEscaped, html};
 use ptm_files::lint::codes::Severity;
 use ptm_files::lint::status::Status;
 use ptm_files::lint::{Lint, totals::Totals};
-use ptm_files::render::{encode_image, render_lit, thin_out};
+use ptm_files::render::{self, encode_image};
 
 /// Beginning of the page.
 pub const HEAD: &str = include_str!("lint_page.html");
@@ -17,19 +17,14 @@ pub const HEAD: &str = include_str!("lint_page.html");
 /// Number of files with a thumbnail. More would make the page too large for a browser.
 pub const MAX_THUMBNAILS: usize = 2000;
 
-/// Maximum side of a thumbnail in texels.
+/// Longer side of a thumbnail in pixels.
 const THUMBNAIL_SIDE: u32 = 96;
-
-/// Light of a thumbnail, from the upper left.
-const LIGHT: (f64, f64) = (-0.4, 0.4);
 
 /// Returns a thumbnail of a map as a PNG in base64, or `None` if the file is not a legal map.
 #[must_use]
 pub fn thumbnail(file: &[u8]) -> Option<String> {
     let ptm = ptm::decode(file).ok()?;
-    let size = ptm.planes.size;
-    let step = size.width.max(size.height).div_ceil(THUMBNAIL_SIDE);
-    let image = render_lit(&thin_out(&ptm, step).coefficients(), LIGHT.0, LIGHT.1);
+    let image = render::thumbnail(&ptm, THUMBNAIL_SIDE);
     let bytes = encode_image(&image.into(), ImageFormat::Png).ok()?;
     Some(BASE64.encode(&bytes))
 }

@@ -6,16 +6,13 @@ use maud::{Markup, Render, html};
 use serde_json::json;
 
 use ptm::{ColorMatrix, Ptm, Shape, Size};
-use ptm_files::render::{encode_image, render_lit, thin_out};
+use ptm_files::render::{LIGHT, encode_image, render_lit, thin_out};
 
 /// Maximum number of texels on the page. Of a larger map, only some rows and columns are shown.
 const MAX_TEXELS: u64 = 1 << 20;
 
 /// Maximum side of a map whose texels are shown as squares.
 const MAX_SMALL_SIDE: u32 = 64;
-
-/// Light of the still image, from the upper left.
-const LIGHT: (f64, f64) = (-0.4, 0.4);
 
 /// Template of the page.
 const TEMPLATE: &str = include_str!("relight.html");

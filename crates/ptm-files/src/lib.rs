@@ -3,6 +3,7 @@
 pub use error::{Error, Result};
 use ptm::Size;
 
+pub mod contact_sheet;
 pub mod convert;
 pub mod convert_for;
 pub mod diff;

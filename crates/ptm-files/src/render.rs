@@ -12,14 +12,16 @@ use ptm::{Planes, Ptm, Shape, Size};
 
 /// JPEG quality at which the encoder uses small quantization steps and no chroma subsampling.
 const JPEG_QUALITY: u8 = 95;
-/// Number of pixels between the images of a contact sheet.
+/// Number of pixels between the images of a sheet.
 const MARGIN: u32 = 4;
 /// Gray background, which is distinguishable from black and white images.
-const BACKGROUND: Rgb<u8> = Rgb([48; 3]);
-/// Maximum size in bytes of a contact sheet or an enlarged image.
-const MAX_IMAGE_BYTES: u64 = 1 << 30;
-/// Radius of the light directions at the edge of a contact sheet. At 1, the lights would be in the plane of the map.
+pub(crate) const BACKGROUND: Rgb<u8> = Rgb([48; 3]);
+/// Maximum size in bytes of a sheet or an enlarged image.
+pub(crate) const MAX_IMAGE_BYTES: u64 = 1 << 30;
+/// Radius of the light directions at the edge of a sheet. At 1, the lights would be in the plane of the map.
 const RIM_RADIUS: f64 = 0.9;
+/// Light of thumbnails and of a page when it opens, from the upper left.
+pub const LIGHT: (f64, f64) = (-0.4, 0.4);
 
 /// Renders a map under one light.
 #[must_use]
@@ -27,7 +29,7 @@ pub fn render_lit(coefficients: &Coefficients, lu: f64, lv: f64) -> RgbImage {
     rgb(coefficients.size, coefficients.evaluate(lu, lv).to_bytes())
 }
 
-/// Renders a contact sheet of images under `side` × `side` lights that cover the hemisphere. The position of an image corresponds
+/// Renders a sheet of images under `side` × `side` lights that cover the hemisphere. The position of an image corresponds
 /// to the direction of its light; at the edge, lights are at `RIM_RADIUS`. Images larger than `cell` are downscaled.
 ///
 /// # Errors
@@ -58,6 +60,26 @@ pub fn sheet(ptm: &Ptm, side: u32, cell: u32) -> Result<RgbImage> {
         }
     }
     Ok(sheet)
+}
+
+/// Renders a thumbnail whose longer side has `side` pixels; that of a smaller map is enlarged by a whole number and may be shorter.
+/// Of a large map, only the texels that the thumbnail needs are evaluated.
+#[must_use]
+pub fn thumbnail(ptm: &Ptm, side: u32) -> RgbImage {
+    let Size { width, height } = ptm.planes.size;
+    let thin = thin_out(ptm, (width.max(height) / (2 * side)).max(1));
+    let image = render_lit(&thin.coefficients(), LIGHT.0, LIGHT.1);
+    let Size { width, height } = thin.planes.size;
+    let longest = width.max(height);
+    if longest <= side {
+        // A thumbnail that is too large to be enlarged does not fit on a sheet either.
+        return upscale(&image, side / longest).unwrap_or(image);
+    }
+    let scaled = |length: u32| {
+        let scaled = u64::from(length) * u64::from(side) / u64::from(longest);
+        (scaled as u32).max(1)
+    };
+    imageops::thumbnail(&image, scaled(width), scaled(height))
 }
 
 /// Maps the square from −1 to 1 to the disc of light directions. The edge is mapped to `RIM_RADIUS`.
@@ -274,5 +296,25 @@ mod tests {
         let samples = [1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4];
         assert_eq!(upscale(&image, 2), Ok(gray(4, 4, &samples)));
         assert!(upscale(&image, u32::MAX).is_err());
+    }
+
+    #[test]
+    fn thumbnails_have_the_requested_size() {
+        let map = |width, height| {
+            let header = "1 1 1 1 1 1\n0 0 0 0 0 0\n";
+            let header = format!("PTM_1.2\nPTM_FORMAT_LRGB\n{width}\n{height}\n{header}");
+            let mut file = header.into_bytes();
+            file.resize(file.len() + (width * height * 9) as usize, 9);
+            ptm::decode(&file).expect("a legal file")
+        };
+        for (width, height, expected) in [
+            (1000, 10, (96, 1)),
+            (97, 96, (96, 95)),
+            (96, 40, (96, 40)),
+            (50, 40, (50, 40)),
+            (3, 48, (6, 96)),
+        ] {
+            assert_eq!(thumbnail(&map(width, height), 96).dimensions(), expected);
+        }
     }
 }

@@ -8,3 +8,4 @@ mod identification;
 mod lint;
 mod relight;
 mod repair;
+mod sheet;
