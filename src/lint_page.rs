@@ -50,7 +50,12 @@ pub fn article(lint: &Lint, thumbnail: Option<&String>) -> Markup {
                 h2 { (lint.file) }
                 p { (badge(lint.status)) " " (facts.join(", ")) }
                 @if let Some(reason) = &lint.reason { p { (reason) } }
-                @if let Some(repairable) = &lint.repairable { p { "Repairable: " (repairable) } }
+                @if let Some(repairable) = &lint.repairable {
+                    @match repairable.strip_prefix("no: ") {
+                        Some(why) => p { "Not repairable: " (why) },
+                        None => p { "Repairable: " (repairable) },
+                    }
+                }
                 @if !lint.findings.is_empty() {
                     ul {
                         @for finding in &lint.findings {

@@ -6,6 +6,7 @@ mod files;
 mod hostile;
 mod identification;
 mod lint;
+mod lint_page;
 mod relight;
 mod repair;
 mod sheet;
