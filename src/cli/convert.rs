@@ -17,7 +17,8 @@ use ptm_suite::kit::digest::sha256;
 ///
 /// RGB and LRGB are converted to each other if every texel can be represented exactly. LRGB can become a table if it has at most
 /// 65,536 distinct texels. Every format except LUM has a lossless JPEGLS and a lossy JPEG counterpart. The result is read back
-/// and compared before it is written. Conversion to the file's own format normalizes its header.
+/// and compared before it is written. Conversion to the file's own format normalizes its header; without --quality and --loss, a
+/// compressed file keeps its streams.
 ///
 /// With --repair and --out-dir, many files are repaired at once, and a CSV row on standard output says what happened to each. The
 /// payload of a compressed file is kept; only its header is written again.
@@ -97,14 +98,15 @@ fn convert_file(args: &ConvertArgs, file: &Path, output: &Path) -> CommandResult
         quality: args.quality,
         loss: args.loss,
     });
-    let checked = target.map_or(Ok(()), Target::check);
-    checked.map_err(|why| format!("--{why}"))?;
     let profiles = readers::load_profiles(None)?;
     let readers = readers::select_profiles(&profiles, &args.readers)?;
     let path = file;
     let file = files::read(path)?;
     let dissection = Dissection::parse(&file);
     let ptm = files::map(path, &dissection)?;
+    let encoded = target.filter(|target| !target.keeps_streams(ptm.header.format));
+    let checked = encoded.map_or(Ok(()), Target::check);
+    checked.map_err(|why| format!("--{why}"))?;
     let converted = match target {
         Some(target) => convert(&dissection, ptm, target).map(|made| (target.format, made)),
         None => convert_for(&dissection, ptm, &readers),

@@ -11,9 +11,10 @@ use ptm_files::{export, render::encode_image};
 /// Export the values of a map as OpenEXR, NPY or PNG. The suffix of the output file selects the format.
 ///
 /// .exr contains the final coefficients, (raw - bias) * scale, as named float channels (a0 … a5, R, G, B; for RGB maps red.a0 …
-/// blue.a5; for LUM maps Cr, Cb). .npy contains the stored bytes as an array of height x width x channels or, with --final, the
-/// final coefficients as 32-bit floats. .png contains the stored planes stacked vertically, in specification order. The top row
-/// is always first.
+/// blue.a5; for LUM maps Cr, Cb). OpenEXR stores channels in alphabetical order (B, G, R, a0 …), so read them by name. Colors range
+/// from 0 to 255, so image viewers show white. .npy contains the stored bytes as an array of height x width x channels or, with
+/// --final, the final coefficients as 32-bit floats. .png contains the stored planes stacked vertically, in specification order. The
+/// top row is always first.
 ///
 /// Exit status: 0 success, 2 usage error, 65 the file is malformed, 69 it is not supported.
 #[derive(Args)]

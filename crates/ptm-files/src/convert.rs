@@ -1,7 +1,8 @@
 //! Converts a map to another format. The generator writes the result, which is then read back and compared.
 //!
 //! A conversion is either lossless or refused with a reason. A map is never changed to fit the target format. The exceptions are
-//! JPEG, whose loss depends on the quality, and near-lossless JPEG-LS, on request.
+//! JPEG, whose loss depends on the quality, and near-lossless JPEG-LS, on request. A compressed file that keeps its format also keeps
+//! its streams, and gets a new header.
 //!
 //! Format notes
 //! - In LRGB, each final color value is the product of a polynomial and a stored color, divided by 255. RGB converts to LRGB if
@@ -21,13 +22,21 @@ use ptm_generate::{Model, Recipe, plan::Residuals, write};
 pub struct Target {
     /// Target format.
     pub format: Format,
-    /// JPEG quality from 20 to 100; required for JPEG formats.
+    /// JPEG quality from 20 to 100; required for JPEG formats, unless the streams of the source are kept.
     pub quality: Option<u8>,
     /// Maximum error of JPEG-LS, from 0 to 127.
     pub loss: u8,
 }
 
 impl Target {
+    /// Returns true if a file of format `source` keeps its streams: the target is the same compressed format, and neither quality nor
+    /// loss is requested.
+    #[must_use]
+    pub fn keeps_streams(self, source: Format) -> bool {
+        let has_no_request = self.quality.is_none() && self.loss == 0;
+        self.format == source && source.coding().is_some() && has_no_request
+    }
+
     /// Checks that quality and loss apply to the format. The error message begins with the name of the offending parameter.
     ///
     /// # Errors
@@ -67,6 +76,14 @@ pub struct ConvertedMap {
 /// # Errors
 /// Returns a message if the target cannot represent the map, or if the converted file differs from the map when it is read back.
 pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<ConvertedMap> {
+    match target.keeps_streams(ptm.header.format) {
+        true => with_new_header(dissection, ptm),
+        false => encode(dissection, ptm, target),
+    }
+}
+
+/// Converts the file that `dissection` describes. Encodes the planes of a compressed target.
+pub(crate) fn encode(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<ConvertedMap> {
     let source = ptm.header.format;
     let samples = samples(ptm, target.format)?;
     let recipe = recipe(dissection, ptm, target)?;
@@ -80,18 +97,68 @@ pub fn convert(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Con
     })
 }
 
+/// Copies the streams and the side information of a compressed file, and writes its header in the spelling that every known reader
+/// accepts.
+fn with_new_header(dissection: &Dissection, ptm: &Ptm) -> Result<ConvertedMap> {
+    let header = &ptm.header;
+    let planes = dissection.compressed_planes();
+    let payload = dissection.parts.iter().find(|part| part.role.is_payload());
+    let start = payload.map_or(dissection.end(), |part| part.offset);
+    let mut lines = vec![
+        "PTM_1.2".to_owned(),
+        header.format.to_string(),
+        header.size.width.to_string(),
+        header.size.height.to_string(),
+        texts(dissection, Role::Scale, 6),
+        join_texts(integer_biases(ptm), " "),
+        texts(dissection, |_| Role::Parameter, 1),
+    ];
+    let lists: [fn(usize) -> Role; 7] = [
+        Role::Transform,
+        Role::MotionX,
+        Role::MotionY,
+        Role::Rank,
+        Role::Reference,
+        Role::StreamSize,
+        Role::SideSize,
+    ];
+    lines.extend(lists.map(|role| texts(dissection, role, planes)));
+    let mut bytes = (lines.join("\n") + "\n").into_bytes();
+    bytes.extend(&dissection.file[start..dissection.end()]);
+    let (quality, loss) = (None, 0);
+    let target = Target {
+        format: header.format,
+        quality,
+        loss,
+    };
+    if verify(&bytes, ptm, &ptm.planes.samples, target)? > 0 {
+        return Error::impossible(format!("the copied streams have different values; {BUG}"));
+    }
+    Ok(ConvertedMap {
+        bytes,
+        max_difference: 0,
+        entries: None,
+    })
+}
+
+/// Returns the numbers of a list as they are written in the file.
+fn texts(dissection: &Dissection, role: impl Fn(usize) -> Role, count: usize) -> String {
+    join_texts((0..count).filter_map(|i| dissection.text(role(i))), " ")
+}
+
+/// Returns the biases as decimal integers.
+fn integer_biases(ptm: &Ptm) -> [String; 6] {
+    ptm.header.scale_bias.bias.map(|bias| format!("{bias:.0}"))
+}
+
 /// Returns the recipe of the converted file. Scales keep their spelling, biases are written as integers, and everything
 /// else uses the spelling that every known reader accepts.
 fn recipe(dissection: &Dissection, ptm: &Ptm, target: Target) -> Result<Recipe> {
-    let texts = |role: fn(usize) -> Role, count: usize| {
-        join_texts((0..count).filter_map(|i| dissection.text(role(i))), " ")
-    };
     let mut recipe = Recipe::default_for(target.format, ptm.header.size);
-    recipe.scale = texts(Role::Scale, 6).parse()?;
-    let biases = ptm.header.scale_bias.bias.map(|bias| format!("{bias:.0}"));
-    recipe.bias = biases.join(" ").parse()?;
+    recipe.scale = texts(dissection, Role::Scale, 6).parse()?;
+    recipe.bias = join_texts(integer_biases(ptm), " ").parse()?;
     if let Shape::Lum(_) = ptm.planes.shape {
-        recipe.matrix = texts(Role::Matrix, 16).parse()?;
+        recipe.matrix = texts(dissection, Role::Matrix, 16).parse()?;
     }
     target.check()?;
     if target.format.coding().is_some() {
@@ -226,10 +293,11 @@ fn greatest_common_divisor(a: i64, b: i64) -> i64 {
     }
 }
 
+const BUG: &str = "this is a bug in ptm-conform, and nothing was written";
+
 /// Reads the converted file back and compares it with the map. Returns the largest difference between stored values.
 fn verify(bytes: &[u8], ptm: &Ptm, samples: &[u8], target: Target) -> Result<u8> {
-    let bug = "this is a bug in ptm-conform, and nothing was written";
-    let wrong = |fault: &str| format!("the converted file was read back and {fault}; {bug}");
+    let wrong = |fault: &str| format!("the converted file was read back and {fault}; {BUG}");
     let back = decode(bytes).map_err(|error| wrong(&format!("is refused: {error}")))?;
     if back.header.size != ptm.header.size || back.header.scale_bias != ptm.header.scale_bias {
         return Err(wrong("has a different header").into());

@@ -1,9 +1,10 @@
 //! Converts a map to a file that the given readers display correctly.
 //!
 //! Tries lossless conversion to each format that all of the readers support, beginning with the format of the file, and
-//! predicts what the readers display for each candidate. Candidates use the spelling that every known reader accepts.
+//! predicts what the readers display for each candidate. Candidates use the spelling that every known reader accepts. The first
+//! candidate for a compressed file keeps its streams.
 
-use super::convert::{ConvertedMap, Target, convert};
+use super::convert::{ConvertedMap, Target, convert, encode};
 use super::{dissection::Dissection, join_texts};
 use crate::error::{Error, Result};
 use crate::readers::{OpenedFile, ReaderProfile, Rendering};
@@ -37,14 +38,27 @@ pub fn convert_for(
     let formats: Vec<Format> = formats.collect();
     let names = join_texts(readers.iter().map(|reader| &*reader.name), " and ");
     if formats.is_empty() {
+        let reason = |format: &Format| {
+            let reader = readers.iter().find(|reader| !reader.reads(*format))?;
+            Some(format!("{} does not read {format}", reader.name))
+        };
+        let reasons = join_texts(FORMATS_TO_TRY.iter().filter_map(reason), ", ");
+        let count = readers.len();
         return Error::impossible(format!(
-            "no lossless format is supported by all of these readers: {names}"
+            "no lossless format is supported by all {count} readers: {reasons}"
         ));
     }
     let mut reasons = Vec::new();
     let mut nearly = None;
-    for format in formats {
-        match try_format(dissection, ptm, format, readers) {
+    let is_exact = |format: &Format| format.coding() != Some(Coding::Jpeg);
+    let encoded = formats.iter().copied().filter(is_exact);
+    let mut attempts: Vec<(Format, Conversion)> = Vec::new();
+    if own.coding().is_some() && formats.contains(&own) {
+        attempts.push((own, convert));
+    }
+    attempts.extend(encoded.map(|format| (format, encode as Conversion)));
+    for (format, conversion) in attempts {
+        match try_format(dissection, ptm, format, conversion, readers) {
             Ok((converted, Rendering::Same)) => return Ok((format, converted)),
             Ok((converted, _)) => nearly = nearly.or(Some((format, converted))),
             Err(why) => reasons.push(why.to_string()),
@@ -59,24 +73,25 @@ pub fn convert_for(
     ))
 }
 
+/// Function that converts a map.
+type Conversion = fn(&Dissection, &Ptm, Target) -> Result<ConvertedMap>;
+
 /// Converts the map to `format`. Also returns the worst result of the readers: the same image, or nearly the same. Returns an error
 /// if a reader would not display either.
 fn try_format(
     dissection: &Dissection,
     ptm: &Ptm,
     format: Format,
+    conversion: Conversion,
     readers: &[&ReaderProfile],
 ) -> Result<(ConvertedMap, Rendering)> {
-    if format.coding() == Some(Coding::Jpeg) {
-        return Error::impossible(format!("{format} is lossy"));
-    }
     let (quality, loss) = (None, 0);
     let target = Target {
         format,
         quality,
         loss,
     };
-    let converted = convert(dissection, ptm, target)?;
+    let converted = conversion(dissection, ptm, target)?;
     let subject = OpenedFile::new(&converted.bytes);
     let mut worst = Rendering::Same;
     for reader in readers {

@@ -24,6 +24,14 @@ fn texel_index(size: Size, position: u32) -> usize {
     ((size.height - 1 - row) * size.width + column) as usize
 }
 
+/// Formats a number of bytes.
+fn count_bytes(count: usize) -> String {
+    match count {
+        1 => "1 byte".to_owned(),
+        count => format!("{count} bytes"),
+    }
+}
+
 /// Joins the string representations of `items` with `separator`.
 pub fn join_texts(items: impl IntoIterator<Item: ToString>, separator: &str) -> String {
     let texts: Vec<String> = items.into_iter().map(|item| item.to_string()).collect();

@@ -15,6 +15,7 @@ use std::collections::HashSet;
 use super::dissection::{Dissection, FilePart, Role};
 use super::lint::{Lint, damage::without_utf8, status::without_damaged_start};
 use super::segments::{EOI, SegmentKind, segments};
+use crate::count_bytes;
 use crate::error::{Error, Result};
 use ptm::decode::decode;
 use ptm::{Format, Ptm};
@@ -48,7 +49,7 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile> {
     let mut bytes = without_damaged_start(file).to_vec();
     if bytes.len() < file.len() {
         let removed = file.len() - bytes.len();
-        changes.push(format!("removed {removed} bytes before PTM_1.2"));
+        changes.push(format!("removed {} before PTM_1.2", count_bytes(removed)));
     }
     let restored = without_utf8(&Dissection::parse(&bytes));
     let was_text = restored.is_some();
@@ -69,7 +70,10 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile> {
                 "{rest} bytes follow the last value, but they may be values: check the size and the whitespace in the header"
             ));
         }
-        changes.push(format!("removed {rest} bytes after the last value"));
+        changes.push(format!(
+            "removed {} after the last value",
+            count_bytes(rest)
+        ));
         bytes.truncate(end);
     }
     bytes = remove_overridden_records(bytes, &mut changes)?;

@@ -261,7 +261,7 @@ fn photographs_beside_maps_are_counted_only() {
 0 | lint -r files --name '*.bak' | sound: 0 errors
 5 | lint -r files --name *.none | no file to check among 6 files
 3 | lint files/IMG_0.JPG | foreign
-0 | convert --repair files/line.ptm -o repaired.ptm | removed 1 bytes before PTM_1.2",
+0 | convert --repair files/line.ptm -o repaired.ptm | removed 1 byte before PTM_1.2",
     );
     assert_eq!(fs::read(here.path("repaired.ptm")).expect("a file"), map);
 }
@@ -514,7 +514,7 @@ fn many_files_are_repaired_at_once() {
     here.assert_lines(
         "
 1 | convert --repair --out-dir new2 b/short.ptm | not repairable
-0 | convert --repair --out-dir new2 a/line.ptm | removed 1 bytes before PTM_1.2
+0 | convert --repair --out-dir new2 a/line.ptm | removed 1 byte before PTM_1.2
 0 | convert --repair --out-dir new2 a/sound.ptm | sound
 2 | convert --repair a/line.ptm b/long.ptm -o c.ptm | expected one file",
     );

@@ -4,12 +4,15 @@ use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
 
-use crate::common::{Workspace, assert_conforms, have_python, have_tool, repository, rows, stdout};
+use crate::common::{
+    Workspace, assert_conforms, edit, have_python, have_tool, repository, rows, stdout,
+};
 use crate::repository::tree;
 use data_encoding::HEXLOWER;
 use ptm::{Coding, Format};
+use ptm_files::dissection::{Dissection, FilePart, Role};
+use ptm_files::inspect::inspect;
 use ptm_files::profiles::{self, Profile};
-use ptm_files::{dissection::FilePart, inspect::inspect};
 use ptm_generate::{Model, Recipe, write};
 use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::kit::{digest::sha256, yaml::from_yaml};
@@ -269,6 +272,35 @@ fn representable_maps_are_converted_losslessly() {
     }
     // 3 RGB sources have 2 targets each, 5 LRGB sources have 4 targets each, and LUM converts to itself.
     assert_eq!(converted, 3 * 2 + 5 * 4 + 1);
+}
+
+#[test]
+fn compressed_file_that_keeps_its_format_keeps_its_streams() {
+    let here = workspace_with_formats();
+    let compressed = Format::ALL.into_iter().filter(|one| one.coding().is_some());
+    for format in compressed.map(Format::short_name) {
+        let original = here.read(&format!("{format}.ptm"));
+        let dissection = Dissection::parse(&original);
+        let payload = dissection
+            .parts
+            .iter()
+            .find(|part| part.role == Role::Stream(0));
+        let (header, streams) = original.split_at(payload.expect("a stream").offset);
+        let header = String::from_utf8(header.to_vec()).expect("text");
+        // Some readers need width and height on separate lines.
+        here.write(
+            &format!("{format}-line.ptm"),
+            [edit(&header, "\n9\n5\n", "\n9 5\n").as_bytes(), streams].concat(),
+        );
+        here.succeeds(&format!(
+            "convert {format}-line.ptm --to {format} -o out.ptm"
+        ));
+        assert!(here.read("out.ptm") == original, "{format}");
+    }
+    here.succeeds("convert JPEG_LRGB-line.ptm --for relight -o out.ptm");
+    assert!(here.read("out.ptm") == here.read("JPEG_LRGB.ptm"));
+    let line = "convert JPEG_LRGB.ptm --to JPEG_LRGB --quality 20 -o smaller.ptm";
+    assert!(here.succeeds(line).contains("differ by at most"));
 }
 
 #[test]

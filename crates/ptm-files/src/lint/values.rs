@@ -1,6 +1,7 @@
 //! Valid but unusual numbers and tables.
 
 use super::{codes::Problem, diagnostic::Findings, fits};
+use crate::count_bytes;
 use crate::dissection::{Role, index_values};
 
 pub(super) fn diagnose(findings: &mut Findings) {
@@ -19,13 +20,13 @@ pub(super) fn diagnose(findings: &mut Findings) {
     // Report bytes after the last value (ruling `trailing`).
     let (end, length) = (findings.dissection.end(), findings.dissection.file.len());
     if findings.dissection.outcome.is_ok() && end < length {
-        let bytes = match length - end {
-            1 => "1 byte".to_owned(),
-            count => format!("{count} bytes"),
-        };
+        let mut found = count_bytes(length - end);
+        if matches!(&findings.dissection.file[end..], b"\n" | b"\r\n") {
+            found += ", a line end, which text editors add";
+        }
         let explanation = fits::explanation(findings.dissection);
         let explanation = explanation.map_or_else(String::new, |text| format!("; {text}"));
-        findings.add_at(Problem::Trailing, end, bytes + &explanation);
+        findings.add_at(Problem::Trailing, end, found + &explanation);
     }
 }
 
