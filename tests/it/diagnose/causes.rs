@@ -167,6 +167,10 @@ stored column | select(at_most(mod(height - 1 - y, 2), 0), x, width - 1 - x) | r
 polynomial | a0 * u * u + a1 * v * v + a2 * u * v + a3 * u + a4 * v - a5 | rgb | + a4 * v - a5 instead of
 matrix row | m[k] + Y + (m[4 + k] + Cr) + (m[8 + k] + Cb) + (m[12 + k] + 1) | rgb | m[4 + k] + Cr && m[12 + k] + 1
 matrix row | m[k] * Y + m[4 + k] * a5 + m[8 + k] * Cb + m[12 + k] | rgb | m[4 + k] * a5
+channel of a coefficient | c * 6 + i + 1 | rgb | c * 6 + i + 1 instead of
+matrix row | m[k] * Y + m[5 + k] * Cr + m[10 + k] * Cb + m[15 + k] | rgb | m[10 + k] * Cb
+LUM sample | (row * width + x) * 8 + i - 1 | any | * 8 + i + -1 instead of
+LRGB color | width * height * 6 + k - (row * width + x) * 3 | any | k - (row * width + x) * 3
 LRGB coefficient | row * width + x + 6 + i | any | x + 6 + i instead of
 RGB sample | ((c * height + row) * width + x) * 5 + i | any | * (6 + -1) + i instead of
 polynomial | a0 * u * u + a2 * u * v + a3 * u + a4 * v + a5 | rgb | a0 * u * u + a2 * u * v
@@ -256,6 +260,22 @@ fn mistake_outside_the_formulas_is_described() {
                 other => other,
             },
             &["every channel but the last has the values of the next one"],
+        ),
+        (
+            "first stored texel zero",
+            |_, answer| match answer {
+                Answer::Decoded(mut frame) if frame.view == ViewKind::Raw => {
+                    let texel = (frame.width * (frame.height - 1)) as usize;
+                    let channels = frame.channels as usize;
+                    if let Samples::U8(samples) = &mut frame.samples {
+                        samples[texel * channels..][..channels].fill(0);
+                    }
+                    Answer::Decoded(frame)
+                }
+                Answer::Decoded(_) => Answer::Unsupported,
+                other => other,
+            },
+            &["every wrong sample is 0, only in the first stored texel"],
         ),
         (
             "last texel zero",

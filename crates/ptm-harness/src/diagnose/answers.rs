@@ -5,7 +5,9 @@ use std::ops::RangeInclusive;
 
 use super::mistake::{ChannelSubset, Mistake};
 use super::tuning::{ROUNDING_SLACK, is_few};
-use super::witness::{Witness, applies_to_file, equal_up_to_rounding, is_after_decoding};
+use super::witness::{
+    Agreement, Witness, applies_to_file, equal_up_to_rounding, is_after_decoding,
+};
 use ptm::{Ptm, Reading};
 use ptm_mistakes::formula::{self, Edit, Edits, final_values};
 use ptm_mistakes::{Change, Misreading, Stage};
@@ -163,14 +165,18 @@ impl Witness<'_> {
         is_used && misreading.stage() <= last && mistake.affects(self.case.format())
     }
 
-    /// Returns true if the response can contradict `mistake`. A decoder may compare the size of the file with what the header requires
-    /// before it computes positions, so its refusal of a malformed file does not contradict an edited position.
-    pub fn can_contradict(&self, mistake: &Mistake) -> bool {
+    /// Returns true if the response can contradict `mistake`, whose answer agrees with it in this way.
+    ///
+    /// A decoder may compare the size of the file with what the header requires before it computes positions, so its refusal of a
+    /// malformed file does not contradict an edited position. Nor does a wrong image where the position is outside the data: a decoder
+    /// may read there without noticing.
+    pub fn can_contradict(&self, mistake: &Mistake, agreement: Agreement) -> bool {
         let is_refused = matches!(self.observation.response, Response::Rejected);
         let is_malformed = is_refused && self.case.expect.is_refusal();
+        let is_outside = self.failed && agreement == Agreement::Contradiction;
         let is_edit = matches!(mistake.misreading.change, Change::Edits(_));
         let is_position = is_edit && mistake.misreading.may_refuse();
-        self.can_affect(mistake) && !(is_malformed && is_position)
+        !(is_position && (is_malformed || is_outside))
     }
 
     /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a refusal.

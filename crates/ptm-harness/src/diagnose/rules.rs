@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::failure_mode::{FailureMode, message_form};
 use super::mistake::Mistake;
 use super::search::{Effect, MistakeId, MistakeSet, Search, without_id};
-use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all, is_substantial};
+use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all, is_third};
 use super::witness::{Agreement, Witness};
 use ptm_mistakes::formula::EditedForm;
 use ptm_mistakes::{Change, Misreading, Symptom};
@@ -31,7 +31,8 @@ pub(super) fn contradicts(without: Effect, with: Effect) -> bool {
 /// *An edit, or a mistake in some formats only, is named only if it explains more of the failures than a description of the same
 /// files would.*
 ///
-/// It must reproduce at least [`MIN_SUPPORT`] images, and nearly all images of some view that it changes. If it is restricted to
+/// It must reproduce at least [`MIN_SUPPORT`] images, and nearly all images that it changes of the first view in which it changes
+/// any. If it is restricted to
 /// some formats, it must reproduce most of the wrong images in the same views of all formats; otherwise, it may fit what another
 /// mistake left over. `images` are the wrong images that `set` does not reproduce, and `explained` those of them that the mistake
 /// reproduces.
@@ -48,14 +49,16 @@ pub(super) fn explains_more_than_a_description(
         mistake.misreading.change,
         Change::Edits([edit]) if matches!(edit.change, EditedForm::Table(_))
     );
-    let explains_a_view = |one: ViewKind| {
-        let count = |cases: &[usize]| cases.iter().filter(|&&w| view(w) == one).count();
-        let is_changed = |w: &usize| {
-            view(*w) == one
-                && (explained.contains(w) || search.changes_answer_with(*w, set, mistake))
-        };
-        let changed: Vec<usize> = images.iter().copied().filter(is_changed).collect();
-        is_nearly_all(count(explained), changed.len())
+    let explains_first_view = || {
+        let is_changed =
+            |w: &&usize| explained.contains(*w) || search.changes_answer_with(**w, set, mistake);
+        let changed: Vec<ViewKind> = images.iter().filter(is_changed).map(|&w| view(w)).collect();
+        let first = ViewKind::ALL.into_iter().find(|one| changed.contains(one));
+        first.is_some_and(|first| {
+            let explained = explained.iter().filter(|&&w| view(w) == first).count();
+            let changed = changed.iter().filter(|&&one| one == first).count();
+            is_nearly_all(explained, changed)
+        })
     };
     let views: BTreeSet<ViewKind> = explained.iter().map(|&w| view(w)).collect();
     let everywhere = Mistake::unrestricted(mistake.misreading);
@@ -66,11 +69,11 @@ pub(super) fn explains_more_than_a_description(
     };
     let all = || search.failing().iter().filter(is_similar).count();
     explained.len() >= MIN_SUPPORT
-        && (is_table || ViewKind::ALL.into_iter().any(explains_a_view))
+        && (is_table || explains_first_view())
         && (mistake.formats.is_none() || is_most(explained.len(), all()))
 }
 
-/// *A mistake explains most of the failures that it changes, and a substantial part of the wrong images of its formats and views.*
+/// *A mistake explains most of the failures that it changes, and a third of the wrong images of its formats and views.*
 ///
 /// `explained` are the failures that `set` reproduces because of the mistake, and `left` those that it does not reproduce.
 pub(super) fn explains_most_of_what_it_changes(
@@ -92,7 +95,7 @@ pub(super) fn explains_most_of_what_it_changes(
     let images = explained.iter().filter(|w| is_image(w)).count();
     let is_open = |w: &&usize| is_image(w) && kinds.contains(&kind(**w));
     let open = left.iter().filter(is_open).count();
-    changed <= explained.len() && (images == 0 || is_substantial(images, images + open))
+    changed <= explained.len() && (images == 0 || is_third(images, images + open))
 }
 
 /// *A mechanism is named only if whole images equal its output.*

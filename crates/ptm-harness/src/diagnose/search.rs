@@ -266,11 +266,12 @@ impl<'a> Search<'a> {
 
     /// Returns true if the response to case `w` contradicts the mistake `id` of a decoder that also makes the mistakes in `set`.
     pub fn is_contradicted(&self, w: usize, set: &[MistakeId], id: MistakeId) -> bool {
-        if !self.witnesses[w].can_contradict(&self.mistakes[id]) {
-            return false;
+        let mistake = &self.mistakes[id];
+        self.witnesses[w].can_affect(mistake) && {
+            let (without, with) = (self.effect(w, set), self.effect(w, &with_id(set, id)));
+            self.witnesses[w].can_contradict(mistake, with.agreement)
+                && rules::contradicts(without, with)
         }
-        let (without, with) = (self.effect(w, set), self.effect(w, &with_id(set, id)));
-        rules::contradicts(without, with)
     }
 
     /// Like [`agreement`](Self::agreement), but with one more mistake, which need not be a candidate.
@@ -291,9 +292,10 @@ impl<'a> Search<'a> {
     /// Returns the small files whose responses contradict one more mistake, which need not be a candidate.
     pub fn contradicting_files(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
         let is_contradicting = |&w: &usize| {
-            self.is_small(w) && self.witnesses[w].can_contradict(mistake) && {
+            self.is_small(w) && self.witnesses[w].can_affect(mistake) && {
                 let with = self.compare(w, &self.answer_with(w, set, mistake));
-                rules::contradicts(self.effect(w, set), with)
+                self.witnesses[w].can_contradict(mistake, with.agreement)
+                    && rules::contradicts(self.effect(w, set), with)
             }
         };
         (0..self.witnesses.len()).filter(is_contradicting).collect()

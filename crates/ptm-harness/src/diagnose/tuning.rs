@@ -74,6 +74,11 @@ pub(super) fn is_substantial(part: usize, whole: usize) -> bool {
     part * SUBSTANTIAL_DIVISOR >= whole
 }
 
+/// Returns true if the part is at least one in three.
+pub(super) fn is_third(part: usize, whole: usize) -> bool {
+    part * 3 >= whole
+}
+
 /// Returns true if the part is more than half of `whole`.
 pub(super) fn is_most(part: usize, whole: usize) -> bool {
     part * 2 > whole

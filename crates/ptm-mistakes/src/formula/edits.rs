@@ -72,6 +72,7 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
         all.extend(apply_to_all_nodes(stated, &|node| operator(node, scope)));
     }
     all.extend(swap_names_everywhere(stated, scope));
+    all.extend(change_list_strides(stated));
     for operator in [add_factors, add_constants, apply_functions, change_groups] {
         all.extend(apply_to_all_nodes(stated, &|node| match node {
             Expression::Number(_) => Vec::new(),
@@ -274,6 +275,24 @@ fn swap_names_everywhere(expression: &Expression, scope: Scope) -> Vec<Expressio
     all
 }
 
+/// Changes the distance between the elements of a list that have a constant in their index, such as m[4 + k] and m[8 + k].
+fn change_list_strides(expression: &Expression) -> Vec<Expression> {
+    const STRIDE: f64 = 4.0;
+    let with_stride = |stride: f64| {
+        replace_nodes(expression, &|node| match node {
+            Expression::Element(list, index) => {
+                let scaled = replace_nodes(index, &|part| match part {
+                    Expression::Number(offset) => Some(number(offset / STRIDE * stride)),
+                    _ => None,
+                });
+                Some(Expression::Element(*list, Box::new(scaled)))
+            }
+            _ => None,
+        })
+    };
+    [3.0, 5.0].map(with_stride).to_vec()
+}
+
 /// Replaces the nodes for which `change` returns a new expression.
 fn replace_nodes(
     expression: &Expression,
@@ -302,6 +321,16 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
         changed[index] = (digit, radix);
         Expression::Address(changed)
     };
+    // The outer loops count backward from the start.
+    if let [outer @ .., (inner, radix)] = &digits[..]
+        && !outer.is_empty()
+    {
+        let steps = vec![Expression::Address(outer.to_vec()), radix.clone()];
+        all.push(Expression::Sum(vec![
+            inner.clone(),
+            negate(&Expression::Product(steps)),
+        ]));
+    }
     for (index, (digit, radix)) in digits.iter().enumerate() {
         let reversed = Expression::Sum(vec![radix.clone(), number(-1.0), negate(digit)]);
         all.push(with_digit(index, reversed, radix.clone()));

@@ -153,7 +153,6 @@ impl Formula {
     pub fn is_used_by(self, format: Format) -> bool {
         let channels = format.channels();
         match self {
-            Formula::IntensityChannel => channels == 18,
             Formula::Color | Formula::ColorChannel => channels == 9,
             Formula::MatrixRow | Formula::LumSample => format == Format::Lum,
             Formula::FinalColor => channels < 18,

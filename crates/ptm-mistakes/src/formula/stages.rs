@@ -108,6 +108,7 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
     let shape = header.format.shape();
     let shape = shape.with_matrix(|| decode::color_matrix::read(&mut input))?;
     let texels = TexelLayout {
+        file,
         header: &header,
         reading,
         edits,
@@ -142,6 +143,7 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
 
 /// Layout of a file, which determines the address of each value.
 struct TexelLayout<'a> {
+    file: &'a [u8],
     header: &'a Header,
     reading: &'a Reading,
     edits: Edits<'a>,
@@ -208,7 +210,6 @@ impl TexelLayout<'_> {
     }
 
     fn samples_of_blocks(&self, input: &Input) -> Result<Vec<u8>> {
-        let payload = input.rest();
         self.collect(|row, column, channel| {
             let formula = match self.header.format.shape() {
                 Shape::Rgb => Formula::RgbSample,
@@ -217,21 +218,25 @@ impl TexelLayout<'_> {
                 Shape::Lrgb => Formula::LrgbColor,
             };
             let address = self.address_of(formula, [row, column], channel, [0.0; 3]);
-            element_at(payload, address).copied()
+            // A position before the payload is in the header.
+            element_at(self.file, input.at() as f64 + address).copied()
         })
     }
 
     fn samples_of_table(&self, input: &mut Input) -> Result<Vec<u8>> {
         let count = (self.reading.entry_count)(input)?;
         let entry_size = self.header.format.entry_size();
-        let table = input.take(
+        let start = input.at();
+        input.take(
             "2.5/3",
             "the table's entries",
             count as u64 * entry_size as u64,
         )?;
-        // An optional line feed after the table is not part of the payload.
+        // An optional line feed after the table is not part of the data.
+        let to_end_of_table = &self.file[..input.at()];
         (self.reading.after_table)(input)?;
-        let payload = [table, input.rest()].concat();
+        let data = [to_end_of_table, input.rest()].concat();
+        let byte_at = |address: f64| element_at(&data, start as f64 + address).copied();
         let (entries, size) = (count as f64, entry_size as f64);
         let bytes = self.address_of(Formula::IndexSize, [0.0; 2], 0, [entries, size, 0.0]);
         let layout = [entries, size, bytes];
@@ -240,10 +245,7 @@ impl TexelLayout<'_> {
             if last.get().0 == row && last.get().1 == column {
                 return Ok(last.get().2);
             }
-            let stored = |k| {
-                let address = self.address_of(Formula::IndexByte, [row, column], k, layout);
-                element_at(&payload, address).copied()
-            };
+            let stored = |k| byte_at(self.address_of(Formula::IndexByte, [row, column], k, layout));
             let stored = (0..bytes as usize)
                 .map(stored)
                 .collect::<Result<Vec<u8>>>()?;
@@ -272,7 +274,7 @@ impl TexelLayout<'_> {
                 }
                 false => self.address_of(Formula::TableColor, [row, column], channel, layout),
             };
-            element_at(&payload, address).copied()
+            byte_at(address)
         })
     }
 
@@ -619,17 +621,17 @@ pub fn image(
         let value = texel.get(channel as usize).filter(|_| is_index);
         value.copied().unwrap_or_default()
     };
+    let intensity = |texel: &[f64], c: usize| {
+        if !edits.is_edited(Formula::IntensityChannel) {
+            return polynomial(&texel[6 * c..6 * c + 6]);
+        }
+        let coefficient = |i: usize| at(texel, Formula::IntensityChannel, &[i as f64, c as f64]);
+        polynomial(&[0, 1, 2, 3, 4, 5].map(coefficient))
+    };
     let color = |texel: &[f64]| match coefficients.shape {
-        Shape::Rgb => [0, 1, 2].map(|c| {
-            if !edits.is_edited(Formula::IntensityChannel) {
-                return polynomial(&texel[6 * c..6 * c + 6]);
-            }
-            let coefficient =
-                |i: usize| at(texel, Formula::IntensityChannel, &[i as f64, c as f64]);
-            polynomial(&[0, 1, 2, 3, 4, 5].map(coefficient))
-        }),
+        Shape::Rgb => [0, 1, 2].map(|c| intensity(texel, c)),
         Shape::Lrgb => {
-            let luminance = (reading.luminance)(polynomial(&texel[..6]));
+            let luminance = (reading.luminance)(intensity(texel, 0));
             [0.0, 1.0, 2.0].map(|k| {
                 let rgb = at(texel, Formula::ColorChannel, &[k]);
                 let unedited = || (reading.modulate)(luminance, rgb);
@@ -637,7 +639,7 @@ pub fn image(
             })
         }
         Shape::Lum(matrix) => {
-            let (y, cr, cb) = (polynomial(&texel[..6]), texel[6], texel[7]);
+            let (y, cr, cb) = (intensity(texel, 0), texel[6], texel[7]);
             if !edits.is_edited(Formula::MatrixRow) {
                 return evaluate::lum_color(&matrix, y, cr, cb, reading);
             }

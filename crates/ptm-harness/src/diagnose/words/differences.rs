@@ -111,11 +111,12 @@ pub(in crate::diagnose) fn describe(
         Some([first, second]) => (format!("swaps {first} and {second}"), swap_fix),
         None => (
             format!(
-                "{effect}{}{}{}{}",
+                "{effect}{}{}{}{}{}",
                 shape_text(search, set, step, cases),
                 value_text(search, set, cases),
                 source_text(search, set, cases),
-                channel_text(search, cases, &wrong)
+                channel_text(search, cases, &wrong),
+                texel_text(search, set, cases)
             ),
             fix,
         ),
@@ -306,6 +307,44 @@ fn channel_text(search: &Search, cases: &[usize], wrong: &[bool]) -> String {
         1..=MAX_LISTED if names.len() < wrong.len() => format!(", only in {}", names.join(", ")),
         _ => ChannelSubset::smallest_containing(wrong).describe(),
     }
+}
+
+/// A place in an image: its name, and the condition that a texel at (x, y) of a w × h image is there.
+type Place = (&'static str, fn([usize; 4]) -> bool);
+
+/// Places where a loop may begin or end too early or too late.
+const PLACES: [Place; 6] = [
+    ("in the first stored texel", |[x, y, _, h]| {
+        x == 0 && y == h - 1
+    }),
+    ("in the last stored texel", |[x, y, w, _]| {
+        x == w - 1 && y == 0
+    }),
+    ("in the bottom row", |[_, y, _, h]| y == h - 1),
+    ("in the top row", |[_, y, _, _]| y == 0),
+    ("in the left column", |[x, ..]| x == 0),
+    ("in the right column", |[x, _, w, _]| x == w - 1),
+];
+
+/// Returns text such as ", only in the bottom row" if all wrong stored values are there, in at least some images with other texels.
+fn texel_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
+    let pairs = cases.iter().filter_map(|&w| image_pair(search, set, w));
+    let pairs: Vec<ImagePair> = pairs.filter(|pair| pair.view == ViewKind::Raw).collect();
+    let is_large = |pair: &&ImagePair| pair.width > 1 && pair.height > 1;
+    if pairs.iter().filter(is_large).count() < MIN_SUPPORT {
+        return String::new();
+    }
+    let are_all_there = |place: &&Place| {
+        pairs.iter().all(|pair| {
+            let mut wrong = pair.wrong_samples().into_iter().map(|i| i / pair.channels);
+            wrong.all(|texel| {
+                let (x, y) = (texel % pair.width, texel / pair.width);
+                place.1([x, y, pair.width, pair.height])
+            })
+        })
+    };
+    let place = PLACES.iter().find(are_all_there);
+    place.map_or_else(String::new, |(name, _)| format!(", only {name}"))
 }
 
 /// Describes the first wrong sample in a file that the mistakes in `set` do not explain: its received and expected values, the
