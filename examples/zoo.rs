@@ -546,6 +546,10 @@ fn capabilities(kind: &str) {
         "declares-serve-and-lacks-it" | "serves" => {
             print_and_exit(b"protocol: 1\nmodes: [one-shot, serve]\n", 0);
         }
+        kind if kind.starts_with("pipelined") => {
+            let declared = b"protocol: 1\nmodes: [one-shot, serve]\npipelined: true\n";
+            print_and_exit(declared, 0);
+        }
         "declares-everything-and-fails" => {
             print_and_exit(b"protocol: 1\nname: liar\nformats: [RGB]\n", 1);
         }
@@ -579,6 +583,7 @@ fn serve(kind: &str) {
     match kind {
         "serves-not" | "declares-serve-and-lacks-it" => exit(64),
         "serves-before-asked" => write_stdout(b"1 reject 65\n"),
+        _ if kind.starts_with("pipelined") => return serve_pipelined(kind),
         _ => {}
     }
     let mut memory = Memory::default();
@@ -599,6 +604,39 @@ fn serve(kind: &str) {
         }
     }
     write_stdout(&buffered);
+}
+
+/// Answers requests that were sent at once together.
+fn serve_pipelined(kind: &str) {
+    let (mut input, mut memory) = (io::stdin().lock(), Memory::default());
+    loop {
+        let chunk = input.fill_buf().unwrap_or_default();
+        if chunk.is_empty() {
+            return;
+        }
+        let (text, length) = (String::from_utf8_lossy(chunk).into_owned(), chunk.len());
+        input.consume(length);
+        let mut lines: Vec<&str> = text.lines().collect();
+        match kind {
+            "pipelined-takes-one" => lines.truncate(1),
+            "pipelined-skips-one" if lines.len() > 1 => drop(lines.remove(1)),
+            "pipelined-backward" => lines.reverse(),
+            "pipelined-ends-early" if lines.len() > 1 => exit(0),
+            _ => {}
+        }
+        for line in lines {
+            let words: Vec<&str> = line.splitn(3, ' ').collect();
+            let [sequence, view, file] = words[..] else {
+                exit(64)
+            };
+            let is_future = fs::read(file).is_ok_and(|bytes| bytes.starts_with(b"PTM_1.3"));
+            match kind {
+                "pipelined-crashes-on-version-1-3" if is_future => std::process::abort(),
+                "pipelined-hangs-on-version-1-3" if is_future => sleep_forever(),
+                _ => write_stdout(&reply(kind, sequence, view, file, &mut memory)),
+            }
+        }
+    }
 }
 
 fn write_stdout(bytes: &[u8]) {

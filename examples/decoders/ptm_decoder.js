@@ -174,6 +174,7 @@ version: "1.0"
 views: [raw, coef, rgb]
 formats: [PTM_FORMAT_RGB, PTM_FORMAT_LUM, PTM_FORMAT_LRGB, PTM_FORMAT_PTM_LUT, PTM_FORMAT_PTM_C_LUT]
 modes: [one-shot, serve]
+pipelined: true
 `;
 
 // Answers requests "SEQ VIEW PATH" on standard input, one per line.

@@ -433,6 +433,7 @@ version: "1.0"
 views: [raw, coef, rgb]
 formats: [%s]
 modes: [one-shot, serve]
+pipelined: true
 reject_exit: 65
 """
 

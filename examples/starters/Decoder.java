@@ -49,7 +49,7 @@ class Decoder {
         PrintStream out = new PrintStream(new BufferedOutputStream(new FileOutputStream(FileDescriptor.out)));
         BufferedReader requests = new BufferedReader(new InputStreamReader(System.in, StandardCharsets.UTF_8));
         int status = 0;
-        if (words[0].equals("capabilities")) out.print("protocol: 1\nname: my-decoder\nmodes: [one-shot, serve]\n");
+        if (words[0].equals("capabilities")) out.print("protocol: 1\nname: my-decoder\nmodes: [one-shot, serve]\npipelined: true\n");
         else if (words[0].equals("serve"))
             for (String line; (line = requests.readLine()) != null; out.flush())
                 answer(line.split(" ", 3)[0], line.split(" ", 3)[1], line.split(" ", 3)[2], out);

@@ -51,7 +51,7 @@ static int answer(const char *sequence, const char *view, const char *path) {
 }
 int main(int count, char **words) {
     char request[8192];
-    if (count == 2 && !strcmp(words[1], "capabilities")) return puts("protocol: 1\nname: my-decoder\nmodes: [one-shot, serve]") < 0;
+    if (count == 2 && !strcmp(words[1], "capabilities")) return puts("protocol: 1\nname: my-decoder\nmodes: [one-shot, serve]\npipelined: true") < 0;
     while (count == 2 && fgets(request, sizeof request, stdin)) { /* SEQ VIEW PATH */
         char *view = strchr(request, ' ') + 1, *path = strchr(view, ' ') + 1;
         view[-1] = path[-1] = path[strcspn(path, "\n")] = 0, answer(request, view, path);

@@ -2,7 +2,7 @@
 "use strict";
 const fs = require("fs");
 
-const CAPABILITIES = "protocol: 1\nname: my-decoder\nmodes: [one-shot, serve]\n";
+const CAPABILITIES = "protocol: 1\nname: my-decoder\nmodes: [one-shot, serve]\npipelined: true\n";
 const six = (number) => `(${number}(?: +${number}){5})`, BREAK = "(?: +| ?\\n)";
 const NUMBERS = six("[+-]?(?:\\d+\\.?\\d*|\\.\\d+)(?:[eE][+-]?\\d+)?") + BREAK + six("[+-]?\\d+") + " ?\\n";
 const HEADER = new RegExp(`^PTM_1\\.2 ?\\n(PTM_FORMAT_\\w+) ?\\n(\\d+)${BREAK}(\\d+) ?\\n${NUMBERS}`);

@@ -1,7 +1,7 @@
 """A minimal PTM decoder for ptm-conform: python3 decoder.py VIEW FILE, or python3 decoder.py serve."""
 import math, re, sys
 
-CAPABILITIES = "protocol: 1\nname: my-decoder\nmodes: [one-shot, serve]\n"
+CAPABILITIES = "protocol: 1\nname: my-decoder\nmodes: [one-shot, serve]\npipelined: true\n"
 SCALE, BIAS = rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?", rb"[+-]?\d+"
 SIZE = rb"(\d+)(?: +| ?\n)(\d+) ?\n"
 NUMBERS = rb"(%b(?: +%b){5})(?: +| ?\n)(%b(?: +%b){5}) ?\n" % (SCALE, SCALE, BIAS, BIAS)

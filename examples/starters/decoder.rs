@@ -44,7 +44,7 @@ fn frame(view: &str, path: &str) -> Result<Vec<u8>, u8> {
 fn main() -> io::Result<()> {
     let (words, mut out): (Vec<String>, _) = (std::env::args().collect(), io::stdout());
     match words[1].as_str() {
-        "capabilities" => print!("protocol: 1\nname: my-decoder\nmodes: [one-shot, serve]\n"),
+        "capabilities" => print!("protocol: 1\nname: my-decoder\nmodes: [one-shot, serve]\npipelined: true\n"),
         "serve" => for request in io::stdin().lock().lines().map_while(Result::ok) {
             let request: Vec<&str> = request.splitn(3, ' ').collect();
             match frame(request[1], request[2]) {

@@ -144,7 +144,7 @@ fn answer_line(line: &[u8]) -> io::Result<Vec<u8>> {
 fn capabilities() -> String {
     let formats = Format::ALL.map(Format::name).join(", ");
     format!(
-        "protocol: 1\nname: ptm-conform reference\nversion: \"{}\"\nviews: [raw, coef, rgb]\nformats: [{formats}]\nmodes: [one-shot, serve]\nreject_exit: {EXIT_MALFORMED}\n",
+        "protocol: 1\nname: ptm-conform reference\nversion: \"{}\"\nviews: [raw, coef, rgb]\nformats: [{formats}]\nmodes: [one-shot, serve]\npipelined: true\nreject_exit: {EXIT_MALFORMED}\n",
         env!("CARGO_PKG_VERSION")
     )
 }

@@ -4,11 +4,13 @@ use std::fs::{self, File};
 use std::process::Command;
 
 use ptm::Format;
+use ptm_harness::runner::{run::Decoder, scratch::Scratch, serve::Servers};
 use ptm_suite::protocol::capabilities::Capabilities;
-use ptm_suite::protocol::frame::ViewKind;
+use ptm_suite::protocol::frame::{Answer, Frame, View, ViewKind};
+use ptm_suite::protocol::request::{AttemptKind, Request};
 
 use crate::common::{
-    CheckRun, PROGRAM, Workspace, assert_conforms, assert_contains, check, have_tool,
+    CheckRun, PROGRAM, Workspace, assert_conforms, assert_contains, check, edit, have_tool,
     python_example, repository, repository_text, skip, zoo,
 };
 
@@ -39,7 +41,10 @@ fn documented_capabilities_and_responses_work() {
     let read = Capabilities::read(yaml.as_bytes()).expect("capabilities");
     assert_eq!(read.formats.as_deref(), Some(&Format::ALL[..]));
     assert_eq!(read.views.as_deref(), Some(&ViewKind::ALL[..]));
-    assert!(read.serves && read.remarks.is_empty(), "{read:?}");
+    assert!(
+        read.serves && read.pipelined && read.remarks.is_empty(),
+        "{read:?}"
+    );
 
     let file = repository("corpus/lrgb/first-lrgb.ptm");
     let answer = serve(&Workspace::new(), &format!("1 raw {file}\n"));
@@ -59,6 +64,57 @@ fn serving_and_one_shot_give_the_same_verdicts() {
     for field in ["verdict", "scores", "dialect", "cases"] {
         assert_eq!(served[field], one_shot[field], "{field}");
     }
+}
+
+#[test]
+fn pipelined_requests_give_the_same_report() {
+    if !have_tool("python3") {
+        return;
+    }
+    let text = repository_text("examples/decoders/ptm_decoder.py");
+    // A wrong decoder: its failures are equal, too.
+    let text = edit(&text, "255 - value", "(256 - value) % 256");
+    let text = edit(&text, "if words != [b\"PTM_1.2\"]:", "if False:");
+    let here = Workspace::new();
+    here.write("pipelined.py", &text);
+    here.write("single.py", edit(&text, "pipelined: true\n", ""));
+    let [pipelined, single] = ["pipelined", "single"].map(|name| {
+        let mut checked = here.check(&format!("--timeout 60 -- python3 {name}.py"));
+        assert_eq!(checked.report["decoder"]["mode"], "serve");
+        assert!(!checked.cases("fail").is_empty());
+        checked.report["decoder"]["command"].take();
+        checked.report
+    });
+    assert_eq!(pipelined, single);
+}
+
+/// Each frame is many times as large as the buffer of a pipe.
+#[test]
+fn large_pipelined_frames_arrive_in_order() {
+    let command = [PROGRAM.into(), "reference".into()];
+    let decoder = Decoder::new(&command).expect("a directory");
+    let scratch = Scratch::new().expect("a scratch directory");
+    let servers = Servers::new(&decoder, &scratch, 1);
+    let view: View = "coef".parse().expect("a view");
+    let files = [100, 200, 300, 100, 200, 300, 100, 200].map(|width| {
+        let header = format!("PTM_1.2\nPTM_FORMAT_LRGB\n{width}\n200\n1 1 1 1 1 1\n0 0 0 0 0 0\n");
+        let samples =
+            (0..width * 200 * 9).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as u8);
+        header.bytes().chain(samples).collect::<Vec<u8>>()
+    });
+    let requests = files.each_ref().map(|file| Request {
+        attempt: AttemptKind::Usual,
+        ..Request::new("large", &view, file, 4 * file.len())
+    });
+    for _ in 0..4 {
+        let replies = servers.ask_pipelined(&requests, 0);
+        assert_eq!(replies.len(), requests.len());
+        for (reply, file) in replies.iter().zip(&files) {
+            let ptm = ptm::decode(file).expect("a legal file");
+            assert_eq!(reply.answer, Answer::Decoded(Frame::render(&ptm, &view)));
+        }
+    }
+    assert!(servers.pipelining_failure().is_none());
 }
 
 #[test]

@@ -101,6 +101,17 @@ serves-until-lum
   | 1 | --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | in serve mode (the previous request was first-rgb): crash: the serving process ended (killed by signal 6)
 serves-and-hangs-at-lum
   | 1 | --timeout 2 --serve --jobs 1 | hand-lum hand-lum-in-color header-plain-lum | exceeds the time limit of 6 s (`--timeout`)
+pipelined | 0 | | none | pass: 17 pass
+pipelined-crashes-on-version-1-3
+  | 1 | | version-1-3-lrgb version-1-3-rgb | in serve mode && crash: the serving process ended (killed by signal 6)
+pipelined-hangs-on-version-1-3
+  | 1 | --timeout 2 | version-1-3-lrgb version-1-3-rgb | exceeds the time limit of 6 s (`--timeout`)
+pipelined-takes-one
+  | 0 | --timeout 2 | none | note: the decoder declares `pipelined`, but answers only requests that are sent one at a time: it answered 1 of
+pipelined-skips-one pipelined-backward
+  | 1 | | none | FAIL: the decoder declares `pipelined`, but && has the number && or do not declare `pipelined`
+pipelined-ends-early
+  | 1 | | none | FAIL: the decoder declares `pipelined`, but && ended (exit status 0) without an answer
 serves-and-hoards | 1 | --serve --jobs 1 --memory 250M | some | out of memory: the processes of the program used more than 250 MiB
 serves-and-deletes | 1 | --serve | none | serve mode failed && tampering
 serves-with-leaks | 1 | --serve --jobs 1 | 11 | state may leak between files && one-shot mode, with an image

@@ -62,7 +62,8 @@ fn correct_decoder_is_ready() {
     let Some(decoder) = python_decoder() else {
         return;
     };
-    let says = "✓ serve: the process ends when its input ends && ✓ capabilities: declared";
+    let says = "✓ serve: requests that are sent at once are answered in order && \
+                ✓ serve: the process ends when its input ends && ✓ capabilities: declared";
     let output = assert_probed(&decoder, "0", says);
     assert!(!output.contains('✗'), "{output}");
 }
@@ -292,6 +293,8 @@ fn serve_mode_faults_are_explained() {
 1 | b"%s ok %d\n" % (sequence, len(answer)) | b"%s ok %d\n" % (sequence, len(answer) - 20)
   | count the PTM1 line
 1 | b"%s ok %d\n" % (sequence, | b"ok %d %d\n" % (0, | the decoder answers "ok 0
+1 | for request in requests: | for request in iter(lambda: requests.read1().splitlines(True)[:1], []):↵        request = request[0]
+  | of four requests that are sent at once, 1 are answered && remove pipelined from the capabilities
 1 | answers.write(sequence + b" reject 65\n") | answers.write(sequence + b" unsupported x\n")
   | the decoder answers "2 unsupported x" to a malformed file"#,
     );

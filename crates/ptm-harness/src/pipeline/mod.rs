@@ -39,7 +39,7 @@ use recorder::ShardRecorder;
 
 use crate::report::document::Report;
 use crate::report::shards::{Circumstances, OtherRemarks};
-use crate::session::asking::DecoderFn;
+use crate::session::asking::{DecoderFn, ReplyTo};
 use crate::session::contact::{Contact, ContactOf};
 use crate::session::lit_scene::LitScene;
 use crate::session::plan::RunPlan;
@@ -155,17 +155,30 @@ pub fn check<C: Checkable>(
     observer: &dyn Observer,
 ) -> Result<Checked<C>, Error> {
     let (suite, plan, circumstances) = (check.suite, check.plan, &check.circumstances);
+    let record = |request: &Request<'_, C::View>, reply: &ReplyTo<C>| {
+        if let Some(recorder) = &check.recorder {
+            recorder.record_answer(request, reply);
+        }
+    };
     let ask = |request: &Request<'_, C::View>, worker: usize| {
         let reply = subject.ask(request, worker);
-        if let Some(recorder) = &check.recorder {
-            recorder.record_answer(request, &reply);
-        }
+        record(request, &reply);
         reply
+    };
+    let ask_pipelined = |requests: &[Request<'_, C::View>], worker: usize| {
+        let replies = subject.ask_pipelined(requests, worker);
+        for (request, reply) in requests.iter().zip(&replies) {
+            record(request, reply);
+        }
+        replies
     };
 
     observer.stage_began(&Stage::FirstContact);
     let start = Instant::now();
     let mut session = Session::new(suite, plan, &ask);
+    if subject.is_pipelined() {
+        session.ask_pipelined = Some(&ask_pipelined);
+    }
     let mut contact = session.first_contact();
     let pace = start
         .elapsed()

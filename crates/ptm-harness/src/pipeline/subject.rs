@@ -15,6 +15,16 @@ pub trait Subject<V = View, T = Frame>: Sync {
     /// Answers a request. `worker` identifies the thread that sends it.
     fn ask(&self, request: &Request<'_, V>, worker: usize) -> Reply<T>;
 
+    /// Returns true if several requests may be sent at once.
+    fn is_pipelined(&self) -> bool {
+        false
+    }
+
+    /// Answers several requests that are sent at once. Returns the replies to the first of them, perhaps to none.
+    fn ask_pipelined(&self, _requests: &[Request<'_, V>], _worker: usize) -> Vec<Reply<T>> {
+        Vec::new()
+    }
+
     /// Returns the program that decodes PTM files, if the subject is one. It is then sent additional requests.
     fn program(&self) -> Option<Program<'_>> {
         None
@@ -76,6 +86,12 @@ pub struct Program<'a> {
     pub advice: Option<&'a str>,
 }
 
+/// Remark on a program that does not answer pipelined requests, followed by the reason and the advice.
+const PIPELINING_FAILED: &str =
+    "the decoder declares `pipelined`, but answers only requests that are sent one at a time";
+/// Advice for a program that does not answer pipelined requests.
+const PIPELINING_ADVICE: &str = "Answer all lines of standard input in order, also those that were read together, or do not declare `pipelined`";
+
 /// A program that decodes PTM files, with its processes.
 pub struct RunningProgram<'a> {
     /// The program.
@@ -101,6 +117,15 @@ impl Subject for RunningProgram<'_> {
         reply
     }
 
+    fn is_pipelined(&self) -> bool {
+        self.servers.is_some() && self.program.capabilities.pipelined
+    }
+
+    fn ask_pipelined(&self, requests: &[Request], worker: usize) -> Vec<Reply> {
+        let servers = self.servers.as_ref();
+        servers.map_or_else(Vec::new, |servers| servers.ask_pipelined(requests, worker))
+    }
+
     fn program(&self) -> Option<Program<'_>> {
         Some(self.program)
     }
@@ -109,13 +134,23 @@ impl Subject for RunningProgram<'_> {
         self.program.decoder.trouble().map(str::to_owned)
     }
 
-    /// Reports a failure of serve mode, and unknown words in the declared capabilities.
+    /// Reports a failure of serve mode or of pipelining, and unknown words in the declared capabilities.
     fn remarks(&self) -> OtherRemarks {
         let mut remarks = OtherRemarks::default();
         if let Some(why) = self.servers.as_ref().and_then(Servers::failure) {
             remarks.before.push(Remark::failure(format!(
                 "serve mode failed and was replaced by one process per request: {why}"
             )));
+        }
+        if let Some(failure) = self.servers.as_ref().and_then(Servers::pipelining_failure) {
+            let message = format!(
+                "{PIPELINING_FAILED}: {}. {PIPELINING_ADVICE}",
+                failure.reason
+            );
+            remarks.before.push(Remark {
+                failure: !failure.is_timeout,
+                message,
+            });
         }
         for remark in &self.program.capabilities.remarks {
             let message = format!("capabilities: {remark}");

@@ -1,6 +1,7 @@
 //! Supervises a running decoder process: reads its output, enforces its limits, and ends it.
 
 use std::io;
+use std::mem::MaybeUninit;
 use std::os::fd::{AsFd, BorrowedFd, OwnedFd};
 use std::path::Path;
 use std::process::{Child, ExitStatus};
@@ -200,20 +201,21 @@ impl Call {
     /// Reads all available output, until `output` has more than `max_bytes` bytes.
     #[expect(clippy::large_stack_arrays, reason = "a buffer of a pipe's size")]
     pub(crate) fn read_available(&mut self, max_bytes: usize) -> io::Result<()> {
-        let mut buffer = [0; 65_536];
+        let mut buffer = [MaybeUninit::uninit(); 65_536];
         while self.output.len() <= max_bytes {
             match read_some(&mut self.stdout, &mut buffer)? {
-                0 => break,
-                count => self.output.extend_from_slice(&buffer[..count]),
+                [] => break,
+                bytes => self.output.extend_from_slice(bytes),
             }
         }
         // Limit the number of reads, so that a flood on standard error cannot delay the timeout check.
         for _ in 0..16 {
             match read_some(&mut self.stderr, &mut buffer)? {
-                0 => break,
-                count => {
-                    let kept = count.min(MAX_STDERR_BYTES.saturating_sub(self.errors.len()));
-                    self.errors.extend_from_slice(&buffer[..kept]);
+                [] => break,
+                bytes => {
+                    let room = MAX_STDERR_BYTES.saturating_sub(self.errors.len());
+                    self.errors
+                        .extend_from_slice(&bytes[..bytes.len().min(room)]);
                 }
             }
         }
@@ -227,16 +229,19 @@ impl Drop for Call {
     }
 }
 
-/// Reads from a non-blocking pipe, and drops the pipe at the end of its data. Returns 0 if no data is available.
-fn read_some(pipe: &mut Option<OwnedFd>, buffer: &mut [u8]) -> io::Result<usize> {
-    let Some(fd) = pipe else { return Ok(0) };
+/// Reads from a non-blocking pipe, and drops the pipe at the end of its data. Returns no bytes if no data is available.
+fn read_some<'a>(
+    pipe: &mut Option<OwnedFd>,
+    buffer: &'a mut [MaybeUninit<u8>],
+) -> io::Result<&'a [u8]> {
+    let Some(fd) = pipe else { return Ok(&[]) };
     match rustix::io::read(&*fd, buffer) {
-        Ok(0) => {
+        Ok(([], _)) => {
             *pipe = None;
-            Ok(0)
+            Ok(&[])
         }
-        Ok(count) => Ok(count),
-        Err(rustix::io::Errno::AGAIN | rustix::io::Errno::INTR) => Ok(0),
+        Ok((bytes, _)) => Ok(bytes),
+        Err(rustix::io::Errno::AGAIN | rustix::io::Errno::INTR) => Ok(&[]),
         Err(error) => Err(error.into()),
     }
 }

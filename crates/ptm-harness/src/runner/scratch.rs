@@ -152,7 +152,13 @@ impl Workspace<'_> {
             if !self.directories.contains(&directory) {
                 self.directories.push(directory.clone());
             }
-            match fs::create_dir_all(&directory).and_then(|()| write_read_only(&path, bytes)) {
+            // Usually, the directory exists.
+            let written = write_read_only(&path, bytes).or_else(|_| {
+                fs::create_dir_all(&directory)?;
+                let _ = fs::remove_file(&path);
+                write_read_only(&path, bytes)
+            });
+            match written {
                 Ok(()) => return Ok(path),
                 Err(error) => {
                     let _ = fs::remove_file(&path);

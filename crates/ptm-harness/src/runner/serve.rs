@@ -6,15 +6,19 @@
 //!                   SEQ reject 65
 //!                   SEQ unsupported FEATURE
 //! ```
-//! Each job has a separate process with one request in flight. If a process exits or answers out of order, it is killed, its
-//! request is repeated in one-shot mode, and the next request starts a new serving process. A process that exceeds the time limit
-//! is killed, too, but its request is not repeated here: the run repeats it later, in a new serving process.
+//! Each job has a separate process. If a process exits or answers out of order, it is killed, its request is repeated in one-shot
+//! mode, and the next request starts a new serving process. A process that exceeds the time limit is killed, too, but its request
+//! is not repeated here: the run repeats it later, in a new serving process.
+//!
+//! A process is sent one request at a time or, if the decoder declares `pipelined`, several at once. If it does not answer all of
+//! them in order and in time, it is killed, and the requests without an answer are sent one by one, so that only a request that
+//! fails alone is to blame. If none does, pipelining has failed, and all later requests are sent one by one.
 
 use std::ffi::OsStr;
 use std::fs;
 use std::os::fd::{AsFd, OwnedFd};
 use std::os::unix::ffi::OsStrExt;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Stdio;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock};
@@ -73,6 +77,15 @@ const BUFFERED_HINT: &str =
 /// Time that a process has to end or to flush its output after its standard input is closed.
 const GRACE_PERIOD: Duration = Duration::from_secs(2);
 
+/// A failure to answer several requests that were sent at once, although each request without an answer was answered alone.
+#[derive(Debug)]
+pub struct PipeliningFailure {
+    /// The reason, as a clause.
+    pub reason: String,
+    /// True if the process exceeded the time limit, which may be the fault of a busy machine.
+    pub is_timeout: bool,
+}
+
 /// Serving processes of a run, one per job.
 pub struct Servers<'a> {
     decoder: &'a Decoder,
@@ -84,6 +97,8 @@ pub struct Servers<'a> {
     unanswered_count: AtomicUsize,
     /// The reason why serve mode is disabled, if it is.
     failure: OnceLock<String>,
+    /// The reason why requests are no longer pipelined, if they are not.
+    pipelining_failure: OnceLock<PipeliningFailure>,
 }
 
 impl<'a> Servers<'a> {
@@ -97,6 +112,7 @@ impl<'a> Servers<'a> {
             answered_count: AtomicUsize::new(0),
             unanswered_count: AtomicUsize::new(0),
             failure: OnceLock::new(),
+            pipelining_failure: OnceLock::new(),
         }
     }
 
@@ -117,39 +133,90 @@ impl<'a> Servers<'a> {
         let Ok(mut server) = started else {
             return self.decoder.ask(request, self.scratch);
         };
-        let previous_request = server.last_request.replace(request.name.to_owned());
-        let (served, reason) = match server.ask(request, self.decoder) {
-            Ok(reply) => {
-                self.answered_count.fetch_add(1, Ordering::Relaxed);
-                if !is_alone {
-                    *place = Some(server);
+        let previous_request = server.last_request.clone();
+        let mut replies = Vec::new();
+        let (served, reason) =
+            match server.ask(std::slice::from_ref(request), self.decoder, &mut replies) {
+                Ok(()) => {
+                    self.answered_count.fetch_add(1, Ordering::Relaxed);
+                    if !is_alone {
+                        *place = Some(server);
+                    }
+                    return replies.remove(0);
                 }
-                return Reply {
-                    previous_request,
-                    ..reply
-                };
-            }
-            Err(NotServed::Trouble) => {
-                drop(server);
-                return self.decoder.ask(request, self.scratch);
-            }
-            Err(NotServed::Violation(served)) => {
-                let reason = served.describe();
-                (served, reason)
-            }
-            Err(NotServed::TimedOut {
-                limit,
-                was_buffered,
-            }) => {
-                let hint = if was_buffered { BUFFERED_HINT } else { "" };
-                (Answer::TimedOut(limit), format!("it {limit}{hint}"))
-            }
-        };
+                Err(NotServed::Trouble) => {
+                    drop(server);
+                    return self.decoder.ask(request, self.scratch);
+                }
+                Err(NotServed::Violation(served)) => {
+                    let reason = served.describe();
+                    (served, reason)
+                }
+                Err(NotServed::TimedOut {
+                    limit,
+                    was_buffered,
+                }) => {
+                    let hint = if was_buffered { BUFFERED_HINT } else { "" };
+                    (Answer::TimedOut(limit), format!("it {limit}{hint}"))
+                }
+            };
         drop(server);
         Reply {
             previous_request,
             ..self.reply_after_failure(request, served, reason)
         }
+    }
+
+    /// Sends several requests to the process of `job` at once. Returns the replies to the first of them, perhaps to none.
+    ///
+    /// If the process does not answer all of them, the others are sent one by one until one of them fails again.
+    #[must_use]
+    pub fn ask_pipelined(&self, requests: &[Request], job: usize) -> Vec<Reply> {
+        let mut replies = Vec::new();
+        if self.failure().is_some() || self.pipelining_failure().is_some() {
+            return replies;
+        }
+        let mut place = self.jobs[job].lock().expect("no request panics");
+        let started = match place.take() {
+            Some(server) => Ok(server),
+            None => Server::start(self.decoder, self.scratch),
+        };
+        let Ok(mut server) = started else {
+            return replies;
+        };
+        let result = server.ask(requests, self.decoder, &mut replies);
+        self.answered_count
+            .fetch_add(replies.len(), Ordering::Relaxed);
+        let (reason, is_timeout) = match result {
+            Ok(()) => {
+                *place = Some(server);
+                return replies;
+            }
+            Err(NotServed::Trouble) => return replies,
+            Err(NotServed::Violation(served)) => (served.describe(), false),
+            Err(NotServed::TimedOut { limit, .. }) => (format!("it {limit}"), true),
+        };
+        drop(server);
+        drop(place);
+        let (sent, answered) = (requests.len(), replies.len());
+        for request in &requests[replies.len()..] {
+            if self.decoder.stop.load(Ordering::Relaxed) {
+                return replies;
+            }
+            let reply = self.ask(request, job);
+            let fails = reply.is_violation();
+            replies.push(reply);
+            if fails {
+                return replies;
+            }
+        }
+        let reason = format!(
+            "it answered {answered} of {sent} requests that were sent at once, and failed at the next one ({reason})"
+        );
+        let _ = self
+            .pipelining_failure
+            .set(PipeliningFailure { reason, is_timeout });
+        replies
     }
 
     /// Returns the reply to a request that serve mode failed to answer: `served`, for this `reason`, or the answer in one-shot mode.
@@ -182,6 +249,12 @@ impl<'a> Servers<'a> {
     pub fn failure(&self) -> Option<&str> {
         self.failure.get().map(String::as_str)
     }
+
+    /// Returns the reason why requests are no longer pipelined, if they are not.
+    #[must_use]
+    pub fn pipelining_failure(&self) -> Option<&PipeliningFailure> {
+        self.pipelining_failure.get()
+    }
 }
 
 /// A serving process.
@@ -192,9 +265,9 @@ struct Server<'a> {
     workspace: Workspace<'a>,
     /// File of the last request.
     input: Option<PathBuf>,
-    /// Sequence number of the last request.
+    /// Sequence number of the oldest unanswered request or, if there is none, of the last request.
     sequence: u64,
-    /// Name of the last request.
+    /// Name of the last answered request.
     last_request: Option<String>,
     /// Time of the last memory measurement.
     last_measured: Instant,
@@ -221,30 +294,52 @@ impl<'a> Server<'a> {
         })
     }
 
-    /// Sends one request. After an error, the process must not be used again.
-    fn ask(&mut self, request: &Request, decoder: &Decoder) -> Result<Reply, NotServed> {
-        self.sequence += 1;
+    /// Sends all requests at once, and adds their replies in order. After an error, the process must not be used again.
+    fn ask(
+        &mut self,
+        requests: &[Request],
+        decoder: &Decoder,
+        replies: &mut Vec<Reply>,
+    ) -> Result<(), NotServed> {
         self.call.errors.clear();
         self.call.read_available(MAX_LINE_LENGTH)?;
         self.expect_silence("it wrote", "before the request")?;
-        let name = format!("{}.ptm", self.sequence);
-        let input = self.workspace.write_input(&name, request.file)?;
-        let outcome = self.exchange(&input, request, decoder);
-        let untouched = is_unchanged(&input, request.file);
-        // The decoder may answer before it has read the file. The last file is removed with its directory.
-        if let Some(last) = self.input.replace(input) {
-            let _ = fs::remove_file(last);
+        let (mut inputs, mut lines) = (Vec::new(), Vec::new());
+        for (sequence, request) in (self.sequence + 1..).zip(requests) {
+            let name = format!("{sequence}.ptm");
+            let input = self.workspace.write_input(&name, request.file)?;
+            lines.extend_from_slice(format!("{sequence} {} ", request.view).as_bytes());
+            lines.extend_from_slice(input.as_os_str().as_bytes());
+            lines.push(b'\n');
+            inputs.push(input);
         }
-        let answer = outcome?;
-        if !untouched? {
-            return Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()).into());
+        let mut unsent = &lines[..];
+        for (i, (request, input)) in requests.iter().zip(inputs).enumerate() {
+            self.sequence += 1;
+            let outcome = self.exchange(&mut unsent, request, decoder);
+            let untouched = is_unchanged(&input, request.file);
+            // The decoder may answer before it has read the file. The last file is removed with its directory.
+            if let Some(last) = self.input.replace(input) {
+                let _ = fs::remove_file(last);
+            }
+            let answer = outcome?;
+            if !untouched? {
+                return Err(Answer::Tampered(INPUT_CHANGED_MESSAGE.to_owned()).into());
+            }
+            if i + 1 == requests.len() {
+                self.expect_silence("the answer is followed by", "")?;
+            }
+            replies.push(Reply {
+                previous_request: self.last_request.replace(request.name.to_owned()),
+                ..answer.into()
+            });
         }
-        self.expect_silence("the answer is followed by", "")?;
-        let stderr = escape_controls(String::from_utf8_lossy(&self.call.errors).trim_end());
-        Ok(Reply {
-            stderr: self.workspace.strip_directories(&stderr),
-            ..answer.into()
-        })
+        // Of several requests, it is not known which one caused a message.
+        if let ([_], [reply]) = (requests, &mut replies[..]) {
+            let stderr = escape_controls(String::from_utf8_lossy(&self.call.errors).trim_end());
+            reply.stderr = self.workspace.strip_directories(&stderr);
+        }
+        Ok(())
     }
 
     /// Returns an error if the process wrote anything that is not an answer.
@@ -257,25 +352,18 @@ impl<'a> Server<'a> {
         }
     }
 
-    /// Sends the request and waits for the answer.
+    /// Waits for the answer to the oldest unanswered request, and sends the `unsent` lines meanwhile.
     fn exchange(
         &mut self,
-        input: &Path,
+        unsent: &mut &[u8],
         request: &Request,
         decoder: &Decoder,
     ) -> Result<Answer, NotServed> {
         let max_bytes = request.max_answer_bytes();
         let limit = request.attempt.time_limit(decoder.timeout);
         let deadline = Instant::now() + limit.0.min(MAX_WAIT);
-        let line = [
-            format!("{} {} ", self.sequence, request.view).as_bytes(),
-            input.as_os_str().as_bytes(),
-            b"\n",
-        ]
-        .concat();
-        let mut unsent = &line[..];
         loop {
-            self.send_request(&mut unsent)?;
+            self.send_requests(unsent)?;
             if let Some(answer) = self.take_answer(max_bytes, decoder)? {
                 return Ok(answer);
             }
@@ -306,7 +394,7 @@ impl<'a> Server<'a> {
     }
 
     /// Sends as much as possible without blocking. The time limit also applies to a process that does not read its input.
-    fn send_request(&self, unsent: &mut &[u8]) -> std::io::Result<()> {
+    fn send_requests(&self, unsent: &mut &[u8]) -> std::io::Result<()> {
         while let (false, Some(stdin)) = (unsent.is_empty(), &self.stdin) {
             match rustix::io::write(stdin, unsent) {
                 Ok(count) => *unsent = &unsent[count..],

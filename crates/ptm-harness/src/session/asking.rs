@@ -20,6 +20,17 @@ pub type ReplyTo<C> = Reply<<C as TestCase>::Output>;
 pub type DecoderFn<'a, C = Case> =
     dyn Fn(&Request<'_, <C as TestCase>::View>, usize) -> ReplyTo<C> + Sync + 'a;
 
+/// A decoder that is sent several requests at once. Returns the replies to the first of them. The caller must send the others
+/// again, one by one.
+pub type PipelinedFn<'a, C = Case> =
+    dyn Fn(&[Request<'_, <C as TestCase>::View>], usize) -> Vec<ReplyTo<C>> + Sync + 'a;
+
+/// Maximum number of requests that are sent at once.
+const MAX_PIPELINED_REQUESTS: usize = 8;
+
+/// Maximum total size in bytes of the files and frames of the requests that are sent at once.
+const MAX_PIPELINED_BYTES: usize = 1 << 20;
+
 /// A progress callback. It receives the number of finished items and the total.
 pub type CountCallback<'a> = dyn Fn(usize, usize) + Sync + 'a;
 
@@ -41,6 +52,8 @@ pub struct Session<'a, C: TestCase> {
     pub(super) plan: &'a RunPlan,
     pub(super) tally: Tally,
     ask: &'a DecoderFn<'a, C>,
+    /// Sends several requests at once, if the decoder can be sent more than one.
+    pub ask_pipelined: Option<&'a PipelinedFn<'a, C>>,
     /// Common transforms that are undone before images are compared.
     pub undone_transforms: Vec<UndoneTransform<C>>,
 }
@@ -54,8 +67,14 @@ impl<'a, C: TestCase> Session<'a, C> {
             plan,
             tally: Tally::default(),
             ask,
+            ask_pipelined: None,
             undone_transforms: Vec::new(),
         }
+    }
+
+    /// Returns the maximum number of requests that are sent at once.
+    pub(super) fn pipeline_depth(&self) -> usize {
+        self.ask_pipelined.map_or(1, |_| MAX_PIPELINED_REQUESTS)
     }
 
     /// Returns true if no more requests will be sent.
@@ -90,6 +109,43 @@ impl<'a, C: TestCase> Session<'a, C> {
         let (observation, reply) = self.request(case, view, table, worker, attempt);
         self.tally.count(&reply, attempt);
         (observation, reply)
+    }
+
+    /// Requests several cases at once, if that is possible. Returns the observations of the first of them. The others must be
+    /// requested again, one by one.
+    pub(super) fn observe_pipelined(
+        &self,
+        cases: &[(&C, &C::View)],
+        table: TableSpelling,
+        worker: usize,
+    ) -> Vec<ObservationOf<C>> {
+        let Some(ask_pipelined) = self.ask_pipelined else {
+            return Vec::new();
+        };
+        let (mut files, mut size, usual) = (Vec::new(), 0, AttemptKind::Usual);
+        for (case, _) in cases {
+            let built = case.make(table);
+            size += C::file(&built).len() + case.max_output_bytes(&built);
+            if size > MAX_PIPELINED_BYTES {
+                break;
+            }
+            files.push(built);
+        }
+        let requests: Vec<_> = cases
+            .iter()
+            .zip(&files)
+            .map(|((case, view), built)| to_request(*case, view, built, usual))
+            .collect();
+        if requests.len() < 2 {
+            return Vec::new();
+        }
+        let mut observations = Vec::new();
+        for (i, reply) in ask_pipelined(&requests, worker).iter().enumerate() {
+            self.tally.count(reply, usual);
+            let (case, view) = cases[i];
+            observations.push(self.observation(case, view, &files[i], usual, reply));
+        }
+        observations
     }
 
     /// Requests a file that has exceeded the time limit once more, alone and with a higher limit. Returns `None` if the run was
@@ -138,17 +194,23 @@ impl<'a, C: TestCase> Session<'a, C> {
         attempt: AttemptKind,
     ) -> (ObservationOf<C>, ReplyTo<C>) {
         let built = case.make(table);
-        let request = Request {
-            name: case.id(),
-            view,
-            file: C::file(&built),
-            max_frame_bytes: case.max_output_bytes(&built),
-            attempt,
-        };
-        let reply = (self.ask)(&request, worker);
+        let reply = (self.ask)(&to_request(case, view, &built, attempt), worker);
         if attempt == AttemptKind::Alone && reply.is_timeout() {
             self.plan.unanswered.fetch_add(1, Ordering::Relaxed);
         }
+        let observation = self.observation(case, view, &built, attempt, &reply);
+        (observation, reply)
+    }
+
+    /// Compares a reply with the expected one.
+    fn observation(
+        &self,
+        case: &C,
+        view: &C::View,
+        built: &C::Built,
+        attempt: AttemptKind,
+        reply: &ReplyTo<C>,
+    ) -> ObservationOf<C> {
         let mut undone = self.undone_transforms.iter();
         let answer = match (
             &reply.answer,
@@ -160,17 +222,32 @@ impl<'a, C: TestCase> Session<'a, C> {
             }
             (answer, _) => answer,
         };
-        let response = Response::new(case, &built, view, answer);
-        let observation = Observation {
+        let response = Response::new(case, built, view, answer);
+        Observation {
             view: view.clone(),
             response,
             weak: reply.is_ambiguous_refusal(),
             stderr: reply.stderr.clone(),
             attempt,
             previous_request: reply.previous_request.clone(),
-            nondeterminism: serve_mode_failure(&reply),
-        };
-        (observation, reply)
+            nondeterminism: serve_mode_failure(reply),
+        }
+    }
+}
+
+/// Returns the request for a file of a case.
+fn to_request<'a, C: TestCase>(
+    case: &'a C,
+    view: &'a C::View,
+    built: &'a C::Built,
+    attempt: AttemptKind,
+) -> Request<'a, C::View> {
+    Request {
+        name: case.id(),
+        view,
+        file: C::file(built),
+        max_frame_bytes: case.max_output_bytes(built),
+        attempt,
     }
 }
 

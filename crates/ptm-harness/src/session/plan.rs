@@ -93,14 +93,28 @@ impl RunPlan {
 
     /// Calls `work` with each number below `count`, in one thread per job. A worker stops when `work` returns false.
     pub(super) fn run_in_parallel(&self, count: usize, work: impl Fn(usize, usize) -> bool + Sync) {
+        self.run_in_batches(count, 1, |places, worker| work(places[0], worker));
+    }
+
+    /// Calls `work` with all numbers below `count`, up to `size` at a time, in one thread per job. A worker stops when `work`
+    /// returns false.
+    pub(super) fn run_in_batches(
+        &self,
+        count: usize,
+        size: usize,
+        work: impl Fn(&[usize], usize) -> bool + Sync,
+    ) {
         let (jobs, next) = (self.jobs, AtomicUsize::new(0));
         // A serving process gets the same files in the same order in every run, so that leaked state is reproducible.
         let fixed = self.repeat == Repeat::FailuresAndSample;
         run_on_threads(jobs, &|worker| {
             let mut mine = (worker..count).step_by(jobs);
             let any = || Some(next.fetch_add(1, Ordering::Relaxed)).filter(|&place| place < count);
-            while let Some(place) = if fixed { mine.next() } else { any() } {
-                if !work(place, worker) {
+            let place = || if fixed { mine.next() } else { any() };
+            let mut places = std::iter::from_fn(place);
+            loop {
+                let batch: Vec<usize> = places.by_ref().take(size).collect();
+                if batch.is_empty() || !work(&batch, worker) {
                     return;
                 }
             }

@@ -243,6 +243,18 @@ struct CaseRequests<'a, C: TestCase> {
     contact: &'a ContactOf<C>,
 }
 
+impl<C: TestCase> CaseRequests<'_, C> {
+    /// Returns a case and the view in which it is requested.
+    fn case_and_view(&self, case: usize) -> (&C, &C::View) {
+        let case = &self.session.suite.cases[case];
+        let view = self.contact.offer.chosen_view(case);
+        (
+            case,
+            view.expect("only cases with an offered view are requested"),
+        )
+    }
+}
+
 impl<C: TestCase> Requests<C::View, C::Output, C::Difference> for CaseRequests<'_, C> {
     fn plan(&self) -> &RunPlan {
         self.session.plan
@@ -257,11 +269,19 @@ impl<C: TestCase> Requests<C::View, C::Output, C::Difference> for CaseRequests<'
     }
 
     fn observe(&self, case: usize, worker: usize) -> ObservationOf<C> {
-        let case = &self.session.suite.cases[case];
-        let view = self.contact.offer.chosen_view(case);
-        let view = view.expect("only cases with an offered view are requested");
+        let (case, view) = self.case_and_view(case);
         let (table, usual) = (self.contact.table, AttemptKind::Usual);
         self.session.observe(case, view, table, worker, usual).0
+    }
+
+    fn pipeline_depth(&self) -> usize {
+        self.session.pipeline_depth()
+    }
+
+    fn observe_pipelined(&self, cases: &[usize], worker: usize) -> Vec<ObservationOf<C>> {
+        let cases: Vec<_> = cases.iter().map(|&case| self.case_and_view(case)).collect();
+        self.session
+            .observe_pipelined(&cases, self.contact.table, worker)
     }
 
     fn observe_alone(&self, case: usize, view: &C::View) -> Option<ObservationOf<C>> {

@@ -43,6 +43,16 @@ where
     /// Requests a case once more in a new process. The request is not counted.
     fn observe_again(&self, case: usize, view: &V, worker: usize) -> Observation<V, T, D>;
 
+    /// Returns the maximum number of cases that are requested at once.
+    fn pipeline_depth(&self) -> usize {
+        1
+    }
+
+    /// Requests several cases at once. Returns the observations of the first of them, perhaps of none.
+    fn observe_pipelined(&self, _cases: &[usize], _worker: usize) -> Vec<Observation<V, T, D>> {
+        Vec::new()
+    }
+
     /// Requests these cases once.
     ///
     /// After three consecutive legal files that exceed the time limit, one of them after the other is requested alone until one is
@@ -98,26 +108,37 @@ where
         let done = cases.iter().filter(is_done).count();
         let state = Mutex::new((observations, done));
         let lock = || state.lock().expect("no worker panics");
-        plan.run_in_parallel(cases.len(), |at, worker| {
-            let case = cases[at];
-            let seen = lock().0[case].as_ref().map(Observation::is_open);
-            if let Some(timed_out) = seen {
-                watch.record(at, timed_out);
-                return true;
-            }
-            if watch.is_after(at) || plan.is_interrupted() {
-                return false;
-            }
-            let observation = self.observe(case, worker);
+        plan.run_in_batches(cases.len(), self.pipeline_depth(), |places, worker| {
+            let is_new = |at: &&usize| lock().0[cases[**at]].is_none() && !watch.is_after(**at);
+            let new: Vec<usize> = places.iter().filter(is_new).map(|&at| cases[at]).collect();
             if plan.is_interrupted() {
-                self.tally().uncount(&observation);
                 return false;
             }
-            watch.record(at, observation.is_open());
-            let (observations, done) = &mut *lock();
-            *done += 1;
-            finished(case, &observation, *done, cases.len());
-            observations[case] = Some(observation);
+            let mut pipelined = self.observe_pipelined(&new, worker).into_iter();
+            for &at in places {
+                let case = cases[at];
+                let seen = lock().0[case].as_ref().map(Observation::is_open);
+                if let Some(timed_out) = seen {
+                    watch.record(at, timed_out);
+                    continue;
+                }
+                let observation = match pipelined.next() {
+                    Some(observation) => observation,
+                    None if watch.is_after(at) || plan.is_interrupted() => return false,
+                    None => self.observe(case, worker),
+                };
+                if plan.is_interrupted() {
+                    for observation in pipelined.chain([observation]) {
+                        self.tally().uncount(&observation);
+                    }
+                    return false;
+                }
+                watch.record(at, observation.is_open());
+                let (observations, done) = &mut *lock();
+                *done += 1;
+                finished(case, &observation, *done, cases.len());
+                observations[case] = Some(observation);
+            }
             true
         });
     }

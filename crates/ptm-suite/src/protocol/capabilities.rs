@@ -26,6 +26,8 @@ pub struct Capabilities {
     pub formats: Option<Vec<Format>>,
     /// True if the decoder supports `serve`.
     pub serves: bool,
+    /// True if a serving process may be sent several requests before it answers the first of them.
+    pub pipelined: bool,
     /// Exit status for malformed files, in addition to 65.
     pub reject_exit: Option<i32>,
     /// Warnings about unknown words, one sentence each.
@@ -42,6 +44,8 @@ struct CapabilitiesRecord {
     views: Option<Vec<String>>,
     formats: Option<Vec<String>>,
     modes: Option<Vec<String>>,
+    #[serde(default)]
+    pipelined: bool,
     reject_exit: Option<i64>,
 }
 
@@ -87,6 +91,7 @@ impl Capabilities {
             views,
             formats,
             serves: modes.is_some_and(|modes| modes.contains(&"serve")),
+            pipelined: record.pipelined,
             reject_exit,
             remarks,
         })
@@ -132,7 +137,7 @@ mod tests {
         assert_eq!(capabilities.version.as_deref(), Some("1.10"));
         assert_eq!(capabilities.views, Some(vec![ViewKind::Raw]));
         assert_eq!(capabilities.formats, None);
-        assert!(capabilities.serves);
+        assert!(capabilities.serves && !capabilities.pipelined);
         assert_eq!(capabilities.reject_exit, Some(1));
         assert_eq!(
             capabilities.remarks,
@@ -168,6 +173,7 @@ mod tests {
             (b"protocol: 2\n", "protocol 2"),
             (b"protocol: one\n", "not valid"),
             (b"protocol: 1\nviews: 3\n", "not valid"),
+            (b"protocol: 1\npipelined: often\n", "not valid"),
             (b"PTM1 raw 1 1 1 u8\n\xff", "not UTF-8"),
             (b"protocol: 1\nprotocol: 1\n", "not valid"),
             (bomb.as_bytes(), "not valid"),

@@ -24,7 +24,8 @@ const MALFORMED: &[u8] = b"PTM_1.2\n";
 /// Reason to end the steps early: the number of requests that were sent and a fault, or `None` if serve mode is not offered.
 type Stop = Option<(usize, ProbeFault)>;
 
-/// Runs the steps of serve mode: requests two frames and a refusal, one after the other, and then ends the process.
+/// Runs the steps of serve mode: requests two frames and a refusal, one after the other, then more of them at once if the decoder
+/// declares `pipelined`, and then ends the process.
 pub(super) fn probe_serve_mode(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     match steps(calls, first, list) {
         Ok(()) => list.add_good("serve: the process ends when its input ends"),
@@ -102,6 +103,23 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         _ => return after(3, "serve-third"),
     }
     list.add_good("serve: a refused file does not affect the next response");
+    let capabilities = calls.decoder.capabilities(calls.scratch);
+    if capabilities.is_ok_and(|declared| declared.pipelined) {
+        dialog.send(4, view, &[&whole, &malformed, &whole, &malformed]);
+        let is_answered = |sequence: u32| match dialog.answer(sequence) {
+            ServeResult::Answer(line, bytes) if sequence.is_multiple_of(2) => {
+                judge(&line, &bytes, right).is_ok()
+            }
+            ServeResult::Answer(line, _) => line.contains(" reject "),
+            _ => false,
+        };
+        let answered = (4..8).map(is_answered).take_while(|&answered| answered);
+        let count = answered.count();
+        if count < 4 {
+            return Err(Some((3, fault("serve-pipelined", &[("count", &count)]))));
+        }
+        list.add_good("serve: requests that are sent at once are answered in order");
+    }
     match dialog.end() {
         ServeResult::Ended(true) => Ok(()),
         _ => after(3, "serve-end"),
@@ -172,11 +190,23 @@ impl<'a> Dialog<'a> {
     }
 
     fn ask(&mut self, sequence: u32, view: &View, path: &Path) -> ServeResult {
-        let request = format!("{sequence} {view} {}\n", path.display());
+        self.send(sequence, view, &[path]);
+        self.answer(sequence)
+    }
+
+    /// Sends requests for these files at once. `sequence` is the number of the first request.
+    fn send(&mut self, sequence: u32, view: &View, paths: &[&Path]) {
+        let lines = (sequence..)
+            .zip(paths)
+            .map(|(sequence, path)| format!("{sequence} {view} {}\n", path.display()));
         if let Some(input) = &mut self.call.child.stdin {
-            // A process that has ended is noticed below.
-            let _ = input.write_all(request.as_bytes());
+            // A process that has ended is noticed when its answer is awaited.
+            let _ = input.write_all(lines.collect::<String>().as_bytes());
         }
+    }
+
+    /// Waits for the answer to request `sequence`.
+    fn answer(&mut self, sequence: u32) -> ServeResult {
         match self.wait() {
             ServeResult::Answer(line, _) if !line.starts_with(&format!("{sequence} ")) => {
                 let slots: &Slots = &[("sequence", &sequence), ("line", &format!("{line:?}"))];
