@@ -326,10 +326,12 @@ const PLACES: [Place; 6] = [
     ("in the right column", |[x, _, w, _]| x == w - 1),
 ];
 
-/// Returns text such as ", only in the bottom row" if all wrong stored values are there, in at least some images with other texels.
+/// Returns text such as ", only in the bottom row" if all wrong values are there, in at least some images with other texels.
 fn texel_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
-    let pairs = cases.iter().filter_map(|&w| image_pair(search, set, w));
-    let pairs: Vec<ImagePair> = pairs.filter(|pair| pair.view == ViewKind::Raw).collect();
+    let pairs = cases.iter().map(|&w| image_pair(search, set, w));
+    let Some(pairs) = pairs.collect::<Option<Vec<ImagePair>>>() else {
+        return String::new();
+    };
     let is_large = |pair: &&ImagePair| pair.width > 1 && pair.height > 1;
     if pairs.iter().filter(is_large).count() < MIN_SUPPORT {
         return String::new();
