@@ -12,7 +12,7 @@ use ptm_files::{export, render::encode_image};
 ///
 /// .exr contains the final coefficients, (raw - bias) * scale, as named float channels (a0 … a5, R, G, B; for RGB maps red.a0 …
 /// blue.a5; for LUM maps Cr, Cb). OpenEXR stores channels in alphabetical order (B, G, R, a0 …), so read them by name. Colors range
-/// from 0 to 255, so image viewers show white. .npy contains the stored bytes as an array of height x width x channels or, with
+/// from 0 to 255, so image viewers show white; --normalize divides all values by 255. .npy contains the stored bytes as an array of height x width x channels or, with
 /// --final, the final coefficients as 32-bit floats. .png contains the stored planes stacked vertically, in specification order. The
 /// top row is always first.
 ///
@@ -30,6 +30,10 @@ pub struct ExportArgs {
     /// Write final coefficients instead of stored bytes (NPY).
     #[arg(long = "final")]
     final_values: bool,
+    /// Divide final coefficients by 255, so that 1 is white (EXR, and NPY with --final). Polynomials and colors then give images from 0
+    /// to 1: L * rgb instead of L * rgb / 255. Divide the last column of the matrix of LUM by 255, too.
+    #[arg(long)]
+    normalize: bool,
 }
 
 pub fn run(args: &ExportArgs) -> CommandResult {
@@ -42,17 +46,26 @@ pub fn run(args: &ExportArgs) -> CommandResult {
     if args.final_values && suffix == "png" {
         return Err("final coefficients are real numbers, which PNG cannot store; use an output file with the suffix .exr or .npy".to_owned().into());
     }
+    let is_final = suffix == "exr" || args.final_values;
+    if args.normalize && !is_final {
+        return Err(
+            "only final coefficients can be normalized; use .exr, or .npy with --final"
+                .to_owned()
+                .into(),
+        );
+    }
+    let divisor = if args.normalize { 255.0 } else { 1.0 };
     let ptm = files::read_map(&args.file)?;
     let (size, samples) = (ptm.planes.size, &ptm.planes.samples);
     let channels = ptm.planes.shape.channels();
     let (bytes, content) = match (&*suffix, args.final_values) {
         ("exr", _) => {
             let content = format!("final coefficients in {channels} float channels");
-            (export::exr(&ptm)?, content)
+            (export::exr(&ptm, divisor)?, content)
         }
         ("npy", true) => {
             let content = "final coefficients, 32-bit floats".to_owned();
-            let values = ptm.coefficients().values;
+            let values = export::divide(&ptm.coefficients().values, divisor);
             (export::npy_floats(&values, size, channels), content)
         }
         ("npy", false) => {

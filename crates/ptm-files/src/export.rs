@@ -14,11 +14,12 @@ use crate::join_texts;
 use ptm::{Ptm, Shape, Size, channel_name};
 
 /// Encodes a map as an EXR file with a named float channel for each final coefficient and for each of the remaining channels.
-/// Blocks of 16 scan lines are compressed with ZIP. The attribute `ptm` contains the format, scales, biases and matrix.
+/// Blocks of 16 scan lines are compressed with ZIP. The attribute `ptm` contains the format, scales, biases and matrix. All values are
+/// divided by `divisor`, which the attribute states unless it is 1.
 ///
 /// # Errors
 /// Returns an error if the map is too large for the format.
-pub fn exr(ptm: &Ptm) -> Result<Vec<u8>> {
+pub fn exr(ptm: &Ptm, divisor: f64) -> Result<Vec<u8>> {
     let coefficients = ptm.coefficients();
     let set = &ptm.header.scale_bias;
     let (scale, bias) = (join_texts(set.scale, " "), join_texts(set.bias, " "));
@@ -26,8 +27,18 @@ pub fn exr(ptm: &Ptm) -> Result<Vec<u8>> {
     if let Shape::Lum(matrix) = &coefficients.shape {
         text = text + "; matrix in column-major order " + &join_texts(matrix.0, " ");
     }
+    if divisor != 1.0 {
+        text = text + "; values divided by " + &divisor.to_string();
+    }
     let channels = coefficients.shape.channels();
-    encode_exr(&coefficients.values, coefficients.size, channels, &text)
+    let values = divide(&coefficients.values, divisor);
+    encode_exr(&values, coefficients.size, channels, &text)
+}
+
+/// Divides each value.
+#[must_use]
+pub fn divide(values: &[f64], divisor: f64) -> Vec<f64> {
+    values.iter().map(|value| value / divisor).collect()
 }
 
 /// Encodes `values` as an EXR file. The values are interleaved, top row first. `text` becomes the attribute `ptm`.

@@ -137,6 +137,7 @@ fn commands_have_the_expected_status_and_output() {
 2 | render first-lrgb.ptm --light north -o x.png | two numbers such as
 2 | export first-lrgb.ptm -o x.tif | .exr, .npy or .png
 2 | export first-lrgb.ptm --final -o x.png | PNG cannot store
+2 | export first-lrgb.ptm --normalize -o x.npy | only final coefficients
 2 | convert first-lrgb.ptm --to TIFF -o x.ptm | expected one of RGB, LUM
 2 | convert first-lrgb.ptm --to JPEG_LRGB -o ./first-lrgb.ptm | is the input file
 2 | generate --ptm-format LRGB | --profile
@@ -199,6 +200,25 @@ fn arrays_are_read_by_numpy() {
             assert_eq!(array.trim(), expected, "{format}");
         }
     }
+}
+
+#[test]
+fn normalized_coefficients_are_divided_by_255() {
+    let here = workspace_with_formats();
+    for format in Format::ALL {
+        let file = format!("{}.ptm", format.short_name());
+        here.succeeds(&format!("export {file} --final --normalize -o x.npy"));
+        let array = std::fs::read(here.path("x.npy")).expect("an array");
+        let map = ptm::decode(&std::fs::read(here.path(&file)).expect("a map"));
+        let values = map.expect("a sound map").coefficients().values;
+        let values = values.iter().map(|value| (value / 255.0) as f32);
+        let expected: Vec<u8> = values.flat_map(f32::to_le_bytes).collect();
+        assert!(array.ends_with(&expected), "{format}");
+    }
+    here.succeeds("export LRGB.ptm --normalize -o x.exr");
+    let exr = std::fs::read(here.path("x.exr")).expect("an image");
+    let stated = b"; values divided by 255";
+    assert!(exr.windows(stated.len()).any(|part| part == stated));
 }
 
 #[test]

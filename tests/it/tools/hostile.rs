@@ -26,7 +26,7 @@ fn run_all_tools(file: &[u8]) {
     let errors = findings.iter().any(|one| one.severity == Severity::Error);
     assert_eq!(errors, decoded.is_err());
     if let Ok(ptm) = decoded {
-        export::exr(&ptm).expect("a small map fits");
+        export::exr(&ptm, 1.0).expect("a small map fits");
         let _ = render::normals(&ptm);
         render::sheet(&ptm, 2, 3).expect("a small map fits");
         for format in Format::ALL {
