@@ -3,7 +3,7 @@
 //! - a byte order mark, spaces or line ends before the header
 //! - spaces, tabs and line endings in the header that the specification does not allow
 //! - wrong compressed sizes, if the streams determine the correct ones
-//! - binary data that was converted from Latin-1 to UTF-8
+//! - binary data that was converted from Latin-1 or Windows-1252 to UTF-8, once or repeatedly, if no byte was lost
 //! - bytes after the last value
 //! - records of side information that a later record for the same texel overrides
 //!
@@ -13,7 +13,11 @@
 use std::collections::HashSet;
 
 use super::dissection::{Dissection, FilePart, Role};
-use super::lint::{Lint, damage::without_utf8, status::without_damaged_start};
+use super::lint::{
+    Lint,
+    damage::{PayloadDamage, payload_damage},
+    status::without_damaged_start,
+};
 use super::segments::{EOI, SegmentKind, segments};
 use crate::count_bytes;
 use crate::error::{Error, Result};
@@ -39,6 +43,12 @@ struct LenientHeader<'a> {
     format: Format,
 }
 
+const LOST_BYTES: &str =
+    "the payload was converted to text, which does not show all of its bytes; restore a backup";
+const EXCESS: &str = "more bytes follow the last value than the header announces; the header or the payload may be wrong";
+const TEXT_MODE: &str =
+    "the file seems to have been copied in text mode, which also changes the payload";
+
 /// Repairs a file.
 ///
 /// # Errors
@@ -51,7 +61,11 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile> {
         let removed = file.len() - bytes.len();
         changes.push(format!("removed {} before PTM_1.2", count_bytes(removed)));
     }
-    let restored = without_utf8(&Dissection::parse(&bytes));
+    let restored = match payload_damage(&Dissection::parse(&bytes)) {
+        Some(PayloadDamage::Text(text)) => Some(text.restored.ok_or(LOST_BYTES)?),
+        Some(PayloadDamage::Excess { .. }) => return Error::impossible(EXCESS),
+        None => None,
+    };
     let was_text = restored.is_some();
     if let Some(restored) = restored {
         changes.push("converted the binary data from UTF-8 back to bytes".to_owned());
@@ -62,6 +76,12 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile> {
         bytes = header.into_legal_file(&mut changes)?;
     }
     let dissection = Dissection::parse(&bytes);
+    // The damage may be visible only in the file with a legal header.
+    match payload_damage(&dissection) {
+        Some(PayloadDamage::Text(_)) => return Error::impossible(TEXT_MODE),
+        Some(PayloadDamage::Excess { .. }) => return Error::impossible(EXCESS),
+        None => {}
+    }
     let (end, is_read) = (dissection.end(), dissection.outcome.is_ok());
     if is_read && end < bytes.len() {
         let rest = bytes.len() - end;
@@ -69,6 +89,9 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile> {
             return Error::impossible(format!(
                 "{rest} bytes follow the last value, but they may be values: check the size and the whitespace in the header"
             ));
+        }
+        if is_converted_text(&bytes, end) {
+            return Error::impossible(TEXT_MODE);
         }
         changes.push(format!(
             "removed {} after the last value",
@@ -136,8 +159,7 @@ impl<'a> LenientHeader<'a> {
         if decode(&normalized).is_ok() {
             let is_exact = Dissection::parse(&normalized).end() == normalized.len();
             if self.line_end != "\n" && !is_exact || self.has_converted_payload() {
-                let why = "the file seems to have been copied in text mode, which also changes the payload";
-                return Error::impossible(why);
+                return Error::impossible(TEXT_MODE);
             }
             changes.push(WHITESPACE.to_owned());
             return Ok(normalized);
@@ -213,6 +235,26 @@ fn may_be_values(bytes: &[u8], end: usize) -> bool {
             extra.is_multiple_of(texel) || first.is_ascii_whitespace()
         }
     }
+}
+
+/// Returns true if the bytes after `end` are as many as the carriage returns that a copy in text mode adds to the line feeds of the
+/// payload.
+fn is_converted_text(bytes: &[u8], end: usize) -> bool {
+    let Ok(Ptm { planes, header }) = decode(bytes) else {
+        return false;
+    };
+    if header.format.has_table() || header.format.coding().is_some() {
+        return false;
+    }
+    let payload = &bytes[end - planes.samples.len()..];
+    let count = |pattern: &[u8]| {
+        payload
+            .windows(pattern.len())
+            .filter(|window| *window == pattern)
+            .count()
+    };
+    let pairs = count(b"\r\n");
+    pairs == count(b"\n") && pairs == bytes.len() - end
 }
 
 /// Skips whitespace and returns the next word of a header. Advances `offset` to the end of the word.

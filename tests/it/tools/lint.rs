@@ -51,6 +51,7 @@ fn made_files() -> Vec<(&'static str, Vec<u8>)> {
     vec![
         ("PTM-E071", as_utf8(&noise)),
         ("PTM-E071", as_utf8(&table)),
+        ("PTM-E072", [&noise[..], &noise].concat()),
         (
             "PTM-I205",
             uniform_file("2x2", 1, [0, 0, 0, 0, 0, 200], [9, 99, 255]),
@@ -83,8 +84,12 @@ fn undamaged_payloads_are_not_reported() {
     ] {
         assert!(!is_found(&file, "PTM-I207"));
     }
-    let mut file = as_utf8(&overwritten_file(0..0));
-    file.push(b'x');
+    // Padding to a multiple of a block size, and a few bytes above 127 before a text.
+    let padded = [&overwritten_file(0..0)[..], &[0; 200_000]].concat();
+    assert!(!is_found(&padded, "PTM-E072") && is_found(&padded, "PTM-W110"));
+    let mut file = uniform_file("2x2", 1, [0xc3, 0xa9, 1, 1, 1, 1], [1; 3]);
+    assert!(!is_found(&file, "PTM-E071"));
+    file.extend(b"text after the last value");
     assert!(!is_found(&file, "PTM-E071"));
     let lit = uniform_file("2x2", 1, [0, 0, 0, 1, 0, 200], [9, 99, 255]);
     assert!(!is_found(&lit, "PTM-I205"));

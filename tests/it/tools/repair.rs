@@ -103,18 +103,96 @@ fn repair_never_overwrites() {
     here.exits(1, "convert --repair new.ptm -o newer.ptm");
 }
 
+/// Converts the bytes of a file to UTF-8. `character` returns the character of a byte.
+fn as_utf8(file: &[u8], character: impl Fn(u8) -> char) -> Vec<u8> {
+    let text: String = file.iter().map(|&byte| character(byte)).collect();
+    text.into_bytes()
+}
+
+/// Returns the character of a byte in Windows-1252, and U+FFFD for the bytes 0x81 to 0x9f that this table does not contain.
+fn windows_1252(byte: u8) -> char {
+    match byte {
+        0x80 => '€',
+        0x85 => '…',
+        0x92 => '’',
+        0x99 => '™',
+        0x81..=0x9f => char::REPLACEMENT_CHARACTER,
+        _ => byte.into(),
+    }
+}
+
 #[test]
 fn binary_data_that_became_utf_8_is_restored() {
     let here = Workspace::new();
     here.copy_from_corpus("lrgb/first-lrgb.ptm");
     let sound = here.read("first-lrgb.ptm");
-    let text: String = sound.iter().map(|&byte| char::from(byte)).collect();
-    assert!(text.len() > sound.len());
-    here.write("text.ptm", text);
+    let once = as_utf8(&sound, char::from);
+    assert!(once.len() > sound.len());
+    here.write("twice.ptm", as_utf8(&once, char::from));
+    here.write("once.ptm", once);
+    // A payload with the bytes that Windows-1252 assigns to other characters.
+    let mut other = sound.clone();
+    let end = other.len();
+    other[end - 5..].copy_from_slice(&[0x80, 0x85, 0x92, 0x99, 0xff]);
+    for byte in &mut other[end - 60..end - 5] {
+        *byte |= if *byte >= 0x80 { 0x20 } else { 0 };
+    }
+    here.write("windows.ptm", as_utf8(&other, windows_1252));
+    for (name, expected) in [("once", &sound), ("twice", &sound), ("windows", &other)] {
+        here.assert_lines(
+            &"
+1 | lint NAME.ptm | PTM-E071 && repairable
+0 | convert --repair NAME.ptm -o NAME-bytes.ptm | converted the binary data from UTF-8 back to bytes"
+                .replace("NAME", name),
+        );
+        assert_eq!(&here.read(&format!("{name}-bytes.ptm")), expected);
+    }
+}
+
+#[test]
+fn payloads_that_lost_bytes_are_not_cut() {
+    let here = Workspace::new();
+    here.copy_from_corpus("lrgb/first-lrgb.ptm");
+    let sound = here.read("first-lrgb.ptm");
+    here.write("replaced.ptm", String::from_utf8_lossy(&sound).as_bytes());
+    // Mac Roman, in which no byte is lost, but which the program does not know.
+    let mac = |byte: u8| {
+        if byte < 0x80 {
+            byte.into()
+        } else {
+            char::from_u32(0x100 + u32::from(byte)).expect("a character")
+        }
+    };
+    here.write("mac.ptm", as_utf8(&sound, mac));
+    let text = as_utf8(&sound, char::from);
+    here.write("cut.ptm", &text[..text.len() - 3]);
+    here.write(
+        "two.ptm",
+        [&sound[..], &sound, &sound, &sound, &sound].concat(),
+    );
+    let header = sound.len() - decode(&sound).expect("a legal file").planes.samples.len();
+    let mut lines = sound.clone();
+    lines.truncate(sound.len() - 7);
+    lines
+        .iter_mut()
+        .skip(header)
+        .filter(|byte| **byte == b'\n')
+        .for_each(|byte| *byte = 1);
+    lines.extend(b"\r\n\r\n\r\n\r\n\r\n\r\n\r\n");
+    here.write("lines.ptm", lines);
     here.assert_lines(
         "
-1 | lint text.ptm | PTM-E071
-0 | convert --repair text.ptm -o bytes.ptm | converted the binary data from UTF-8 back to bytes",
+1 | lint replaced.ptm | PTM-E071 && replaced other bytes
+1 | lint mac.ptm | PTM-E071
+1 | lint cut.ptm | PTM-E071
+1 | lint two.ptm | PTM-E072",
     );
-    assert_eq!(here.read("bytes.ptm"), sound);
+    here.exits(1, "convert --repair lines.ptm -o none.ptm");
+    for name in ["replaced", "mac", "cut", "two"] {
+        here.exits(1, &format!("convert --repair {name}.ptm -o none.ptm"));
+        let row = here
+            .run(&format!("lint --format csv --no-header {name}.ptm"))
+            .1;
+        assert!(row.contains(",damaged,") && row.contains("no: "), "{row}");
+    }
 }

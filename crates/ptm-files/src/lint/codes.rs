@@ -60,6 +60,7 @@ pub enum Problem {
     Index,
     PayloadEnds,
     Utf8Payload,
+    Excess,
     NotAStream,
     OtherImage,
     StreamDamaged,

@@ -9,51 +9,165 @@ const SECTOR_BYTES: usize = 512;
 /// Length of the shortest run of equal bytes that is reported.
 const MIN_LOST_SECTORS: usize = 8;
 
+/// Smallest number of characters above 127 that identify a text. Fewer may be coincidence in a small map.
+const MIN_CHARACTERS: usize = 8;
+
 pub(super) fn diagnose(findings: &mut Findings) {
     let dissection = findings.dissection;
-    let payload = dissection.parts.iter().find(|part| part.role.is_payload());
-    let Some(start) = payload.map(|part| part.offset) else {
+    let Some(start) = payload_start(dissection) else {
         return;
     };
-    if let Some(surplus) = utf8_surplus(dissection, start) {
-        let found = format!("each of {surplus} bytes above 127 became two bytes");
-        // The bytes after the last value have the same cause.
-        let trailing = Problem::Trailing.code().id;
-        findings.list.retain(|finding| finding.code != trailing);
-        findings.add_at(Problem::Utf8Payload, start, found);
-    }
-    report_lost_sectors(findings, start);
-}
-
-/// Returns the number of bytes that a conversion from Latin-1 to UTF-8 added to the payload, or `None` if the payload was not
-/// converted: then it is no UTF-8 text of these characters, or its size differs from that of a converted payload.
-fn utf8_surplus(dissection: &Dissection, start: usize) -> Option<usize> {
-    let payload = &dissection.file[start..];
-    // Most payloads are refused within the first bytes.
-    let mut surplus = 0;
-    let mut bytes = payload.iter();
-    while let Some(byte) = bytes.next() {
-        match byte {
-            0..=0x7f => {}
-            0xc2 | 0xc3 if matches!(bytes.next(), Some(0x80..=0xbf)) => surplus += 1,
-            _ => return None,
+    match payload_damage(dissection) {
+        Some(PayloadDamage::Text(text)) => {
+            // The errors in the payload have the same cause.
+            findings.list.retain(|finding| finding.offset < start);
+            findings.add_at(Problem::Utf8Payload, start, text.found);
         }
+        Some(PayloadDamage::Excess { needed, excess }) => {
+            let trailing = Problem::Trailing.code().id;
+            findings.list.retain(|finding| finding.code != trailing);
+            let found =
+                format!("{excess} bytes follow the {needed} bytes that the header announces");
+            findings.add_at(Problem::Excess, start + needed, found);
+        }
+        None => report_lost_sectors(findings, start),
     }
-    let expected = payload_bytes(dissection)?;
-    (surplus > 0 && payload.len() - surplus == expected).then_some(surplus)
 }
 
-/// Returns the file before its payload was converted from Latin-1 to UTF-8, or `None` if it was not converted.
-pub fn without_utf8(dissection: &Dissection) -> Option<Vec<u8>> {
-    let payload = dissection
-        .parts
-        .iter()
-        .find(|part| part.role.is_payload())?;
-    utf8_surplus(dissection, payload.offset)?;
-    let (header, payload) = dissection.file.split_at(payload.offset);
-    let text = std::str::from_utf8(payload).ok()?;
-    let bytes = text.chars().map(|character| character as u8);
-    Some(header.iter().copied().chain(bytes).collect())
+fn payload_start(dissection: &Dissection) -> Option<usize> {
+    let mut parts = dissection.parts.iter();
+    parts
+        .find(|part| part.role.is_payload())
+        .map(|part| part.offset)
+}
+
+/// Damage to the values of a file that the reference may read nevertheless.
+pub(crate) enum PayloadDamage {
+    /// The payload was converted to UTF-8.
+    Text(TextPayload),
+    /// At least as many bytes as the values follow the last value.
+    Excess {
+        /// Number of bytes of the values.
+        needed: usize,
+        /// Number of bytes after the last value.
+        excess: usize,
+    },
+}
+
+/// Payload that was converted to UTF-8.
+pub(crate) struct TextPayload {
+    /// Description of the conversion.
+    found: String,
+    /// File before the conversion, if it is undone exactly: the result has the size that the header announces.
+    pub(crate) restored: Option<Vec<u8>>,
+}
+
+/// Returns the damage to the values of a file, as far as the payload shows it.
+pub(crate) fn payload_damage(dissection: &Dissection) -> Option<PayloadDamage> {
+    let start = payload_start(dissection)?;
+    let needed = payload_bytes(dissection)?;
+    let payload = &dissection.file[start..];
+    if let Some(text) = text_payload(dissection, start, needed) {
+        return Some(PayloadDamage::Text(text));
+    }
+    let excess = payload.len().checked_sub(needed)?;
+    let is_damage = excess >= needed.max(SECTOR_BYTES)
+        // Equal bytes are padding.
+        && payload[needed..].iter().any(|&byte| byte != payload[needed]);
+    is_damage.then_some(PayloadDamage::Excess { needed, excess })
+}
+
+/// Recognizes a payload that was converted to UTF-8: it is UTF-8 text and does not have the size that the header announces.
+fn text_payload(dissection: &Dissection, start: usize, needed: usize) -> Option<TextPayload> {
+    let (header, payload) = dissection.file.split_at(start);
+    if payload.len() == needed {
+        return None;
+    }
+    // Most payloads are refused within the first bytes.
+    let text = match std::str::from_utf8(payload) {
+        Ok(text) => text,
+        // The text was truncated within a character.
+        Err(error) if error.error_len().is_none() => {
+            std::str::from_utf8(&payload[..error.valid_up_to()]).ok()?
+        }
+        Err(_) => return None,
+    };
+    let is_whole = text.len() == payload.len();
+    let high = text
+        .chars()
+        .filter(|character| !character.is_ascii())
+        .count();
+    if let Some((how, bytes)) = undo_conversion(text, needed).filter(|_| is_whole && high > 0) {
+        return Some(TextPayload {
+            found: format!("{how}; {high} bytes above 127 became longer"),
+            restored: Some([header, &bytes].concat()),
+        });
+    }
+    if high < MIN_CHARACTERS {
+        return None;
+    }
+    let lost = text
+        .chars()
+        .filter(|&character| character == char::REPLACEMENT_CHARACTER)
+        .count();
+    let characters = text.chars().count();
+    let found = format!(
+        "{characters} characters where the header announces {needed} bytes{}",
+        match lost {
+            0 => String::new(),
+            _ => format!("; {lost} of them are U+FFFD, which replaced other bytes"),
+        }
+    );
+    Some(TextPayload {
+        found,
+        restored: None,
+    })
+}
+
+/// Undoes conversions from Latin-1 or Windows-1252 to UTF-8 until the text has `needed` bytes. Returns `None` if it never has.
+fn undo_conversion(text: &str, needed: usize) -> Option<(String, Vec<u8>)> {
+    let mut bytes = text.as_bytes().to_vec();
+    let mut steps = Vec::new();
+    while bytes.len() > needed {
+        let text = std::str::from_utf8(&bytes).ok()?;
+        let latin_1: Option<Vec<u8>> = text.chars().map(|one| u8::try_from(one).ok()).collect();
+        let (name, undone) = match latin_1 {
+            Some(undone) => ("Latin-1", undone),
+            None => {
+                let windows_1252: Option<Vec<u8>> = text.chars().map(windows_1252_byte).collect();
+                ("Windows-1252", windows_1252?)
+            }
+        };
+        // A text of ASCII characters does not become shorter.
+        if undone.len() == bytes.len() {
+            return None;
+        }
+        steps.push(name);
+        bytes = undone;
+    }
+    let how = match &steps[..] {
+        [name] => format!("from {name}"),
+        [first, ..] if steps.iter().all(|name| name == first) => {
+            format!("from {first}, {} times", steps.len())
+        }
+        _ => format!("from {}", steps.join(" and ")),
+    };
+    (bytes.len() == needed && !steps.is_empty()).then_some((how, bytes))
+}
+
+/// Returns the byte of a character in Windows-1252. The five bytes without a character are control characters.
+fn windows_1252_byte(character: char) -> Option<u8> {
+    const FROM_128: [char; 32] = [
+        '€', '\u{81}', '‚', 'ƒ', '„', '…', '†', '‡', 'ˆ', '‰', 'Š', '‹', 'Œ', '\u{8d}', 'Ž',
+        '\u{8f}', //
+        '\u{90}', '‘', '’', '“', '”', '•', '–', '—', '˜', '™', 'š', '›', 'œ', '\u{9d}', 'ž', 'Ÿ',
+    ];
+    match FROM_128.iter().position(|&one| one == character) {
+        Some(place) => Some(128 + place as u8),
+        None => u8::try_from(character)
+            .ok()
+            .filter(|byte| !(128..160).contains(byte)),
+    }
 }
 
 /// Returns the number of bytes of the payload that the header announces.

@@ -22,6 +22,15 @@ pub(super) fn diagnose(findings: &mut Findings) {
     let Ok(ptm) = &findings.dissection.outcome else {
         return;
     };
+    // The values of a converted payload say nothing about the map.
+    let converted = Problem::Utf8Payload.code().id;
+    if findings
+        .list
+        .iter()
+        .any(|finding| finding.code == converted)
+    {
+        return;
+    }
     let properties = uniform_properties(ptm);
     let colors = [
         (properties.is_black, "black"),
