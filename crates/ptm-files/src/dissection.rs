@@ -104,7 +104,11 @@ impl<'a> Dissection<'a> {
         (Dissection::new(file, &fields, outcome), streams)
     }
 
-    fn new(file: &'a [u8], fields: &[Field], outcome: Result<Ptm, Error>) -> Dissection<'a> {
+    pub(crate) fn new(
+        file: &'a [u8],
+        fields: &[Field],
+        outcome: Result<Ptm, Error>,
+    ) -> Dissection<'a> {
         let name = fields
             .iter()
             .find(|field| field.clause == FORMAT_NAME_CLAUSE);

@@ -405,6 +405,25 @@ fn unusual_planes_are_shown_by_some_readers() {
 }
 
 #[test]
+fn damaged_values_are_never_shown_correctly() {
+    let suite = suite();
+    let case = suite.case("first-lrgb").expect("a case");
+    let file = &case.build(TableSpelling::default()).file;
+    let text: String = file.iter().map(|&byte| char::from(byte)).collect();
+    let twice: String = text.bytes().map(char::from).collect();
+    let joined = file.repeat(6);
+    for damaged in [text.as_bytes(), twice.as_bytes(), &joined] {
+        for profile in profiles() {
+            let result = predict(&profile.name, damaged).result;
+            assert!(!result.is_right(), "{}: {result:?}", profile.name);
+        }
+    }
+    let prediction = predict("rtiviewer", text.as_bytes());
+    assert_eq!(prediction.result, Rendering::Wrong);
+    assert_eq!(prediction.fault, "an image of a damaged file");
+}
+
+#[test]
 fn truncated_coefficients_are_nearly_the_same() {
     let file = replaced(LEGAL_FILE, "1 1 1 1 1 1", "0.75 0.75 0.75 0.75 0.75 0.75");
     let prediction = predict("rtiviewer", &file);

@@ -7,6 +7,7 @@ use super::limits::{Effect, FileTraits};
 use super::profile::{Evidence, ReaderProfile, UnusualBehavior, UnusualResult};
 use super::unusual::UnusualKind;
 use crate::dissection::Dissection;
+use crate::lint::damage::payload_damage;
 use ptm::decode::examine;
 use ptm::error::Error;
 use ptm::reading::Reading;
@@ -133,6 +134,12 @@ impl ReaderPrediction {
         }
     }
 
+    /// Creates the prediction for a damaged file that the reader opens.
+    fn of_damage() -> ReaderPrediction {
+        let how = "an image of a damaged file".to_owned();
+        ReaderPrediction::without_images(Rendering::Wrong, how)
+    }
+
     /// Creates the prediction for a file that the evidence does not cover.
     fn unknown(why: impl Into<String>) -> ReaderPrediction {
         ReaderPrediction::without_images(Rendering::NotPredicted, why.into())
@@ -151,6 +158,8 @@ pub struct OpenedFile<'a> {
     truth: Result<Ptm, Error>,
     /// The kind of the file, if the reference refuses it.
     kind: Option<UnusualKind>,
+    /// True if the reference reads the file, but its values are damaged.
+    has_damaged_values: bool,
 }
 
 impl<'a> OpenedFile<'a> {
@@ -158,12 +167,13 @@ impl<'a> OpenedFile<'a> {
     #[must_use]
     pub fn new(file: &'a [u8]) -> OpenedFile<'a> {
         let (fields, truth) = examine(file);
-        let kind = truth.is_err().then(|| Dissection::parse(file));
+        let dissection = Dissection::new(file, &fields, truth);
         OpenedFile {
             file,
-            traits: FileTraits::new(file, fields, &truth),
-            truth,
-            kind: kind.and_then(|dissection| UnusualKind::new(&dissection)),
+            kind: UnusualKind::new(&dissection),
+            has_damaged_values: payload_damage(&dissection).is_some(),
+            traits: FileTraits::new(file, fields, &dissection.outcome),
+            truth: dissection.outcome,
         }
     }
 
@@ -188,6 +198,13 @@ impl<'a> OpenedFile<'a> {
             (Err(_), None) => self.predict_refused(profile),
         };
         let reader = profile.name.clone();
+        let shows_image = prediction.result.is_right() || prediction.result == Rendering::Wrong;
+        let prediction = match prediction.evidence {
+            Some(evidence) if self.has_damaged_values && shows_image => {
+                ReaderPrediction::of_damage().with_evidence(evidence)
+            }
+            _ => prediction,
+        };
         ReaderPrediction {
             reader,
             ..prediction
@@ -340,16 +357,15 @@ impl<'a> OpenedFile<'a> {
         let prediction = match stand_in.filter(|made| made.is_exact) {
             Some(made) => {
                 let legal = OpenedFile::new(&made.bytes);
-                let judge = || Some(self.judge(misreadings, legal.truth.as_ref().ok()?));
+                let judge = || match &legal.truth {
+                    Ok(truth) if !legal.has_damaged_values => Some(self.judge(misreadings, truth)),
+                    _ => None,
+                };
                 legal.refusal(profile).or_else(judge)
             }
             None => None,
         };
-        let damaged = || {
-            let how = "an image of a damaged file".to_owned();
-            ReaderPrediction::without_images(Rendering::Wrong, how)
-        };
-        let prediction = prediction.unwrap_or_else(damaged);
+        let prediction = prediction.unwrap_or_else(ReaderPrediction::of_damage);
         ReaderPrediction {
             misreadings: causes,
             ..prediction
