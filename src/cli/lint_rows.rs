@@ -142,7 +142,8 @@ impl Rows {
             true => lint.to_text(Severity::Error),
             false => String::new(),
         };
-        emit(&format!("{}: {}\n{details}", lint.file, change.describe()))
+        let text = format!("{}: {}\n{details}", lint.file, change.describe());
+        write_at_once(anstream::stdout().lock(), &add_links(&text))
     }
 
     /// Prints that a file of an earlier run is missing.

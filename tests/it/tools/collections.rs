@@ -225,6 +225,21 @@ fn a_baseline_reports_changes_only() {
 }
 
 #[test]
+fn reports_of_every_kind_obey_the_color_option() {
+    let here = Workspace::new();
+    write_collection(&here, "files", 4);
+    here.write("rows", printed(&here, "lint -r --format csv files"));
+    let damaged = here.read("files/0/1.ptm");
+    here.write("files/0/0.ptm", damaged);
+    for line in ["lint -r", "lint -r --baseline rows", "lint -r --for all"] {
+        let is_colored = |line: String| printed(&here, &line).contains('\u{1b}');
+        assert!(!is_colored(format!("{line} files")));
+        assert!(!is_colored(format!("{line} --color never files")));
+        assert!(is_colored(format!("{line} --color always files")), "{line}");
+    }
+}
+
+#[test]
 fn parts_contain_every_file_once() {
     let here = Workspace::new();
     write_collection(&here, "files", 40);
