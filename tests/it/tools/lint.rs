@@ -7,7 +7,7 @@ use ptm::Size;
 use ptm_files::lint::codes::{ALL, Code, Severity};
 use ptm_files::lint::diagnostic::Diagnostic;
 use ptm_files::lint::lint;
-use ptm_suite::cases::{Case, TableSpelling};
+use ptm_suite::cases::{Case, Expect, TableSpelling};
 
 use crate::in_process::suite;
 
@@ -36,6 +36,14 @@ fn overwritten_file(range: Range<usize>) -> Vec<u8> {
     file
 }
 
+/// Returns a map of noise whose lower part is masked: zero luminance and black.
+fn masked_file() -> Vec<u8> {
+    let mut file = overwritten_file(0..0);
+    file[56 + 6 * 4321..60_056].fill(0);
+    file[60_056 + 3 * 4321..].fill(0);
+    file
+}
+
 /// Converts a file from Latin-1 to UTF-8.
 fn as_utf8(file: &[u8]) -> Vec<u8> {
     let text: String = file.iter().map(|&byte| char::from(byte)).collect();
@@ -60,6 +68,15 @@ fn made_files() -> Vec<(&'static str, Vec<u8>)> {
         ("PTM-I206", uniform_file("2x2", 160, [255; 6], [255; 3])),
         ("PTM-I207", overwritten_file(1024..1024 + 4096)),
         ("PTM-I207", overwritten_file(2048..56 + 90_000)),
+        // The values beside the sectors may be zero as well.
+        ("PTM-I207", overwritten_file(1023..1024 + 4097)),
+        // One sector, in the luminance and in the colors.
+        ("PTM-I207", overwritten_file(1024..1024 + 512)),
+        ("PTM-I207", overwritten_file(71_680..71_680 + 512)),
+        // Incomplete copies, which end in the luminance, in the colors, and almost at the end.
+        ("PTM-I207", overwritten_file(45_000..56 + 90_000)),
+        ("PTM-I207", overwritten_file(70_000..56 + 90_000)),
+        ("PTM-I207", overwritten_file(89_782..56 + 90_000)),
     ]
 }
 
@@ -77,10 +94,15 @@ fn undamaged_payloads_are_not_reported() {
     let is_found = |file: &[u8], code: &str| lint(file).iter().any(|finding| finding.code == code);
     for file in [
         overwritten_file(0..0),
-        // Not aligned, too short, and up to the end of a row.
-        overwritten_file(1025..1024 + 8192),
-        overwritten_file(1024..1024 + 2048),
+        // Too short, and up to the end of a row.
+        overwritten_file(1025..1025 + 1022),
+        overwritten_file(90_056 - 255..90_056),
         overwritten_file(512..56 + 11 * 600),
+        // White texels within a row, and maps of one value.
+        overwritten_file(60_056 + 30 * 70..60_056 + 30 * 170),
+        uniform_file("100x100", 1, [0; 6], [0; 3]),
+        uniform_file("100x100", 1, [1; 6], [0; 3]),
+        masked_file(),
     ] {
         assert!(!is_found(&file, "PTM-I207"));
     }
@@ -93,6 +115,29 @@ fn undamaged_payloads_are_not_reported() {
     assert!(!is_found(&file, "PTM-E071"));
     let lit = uniform_file("2x2", 1, [0, 0, 0, 1, 0, 200], [9, 99, 255]);
     assert!(!is_found(&lit, "PTM-I205"));
+}
+
+#[test]
+fn runs_of_equal_values_in_legal_maps_are_not_reported() {
+    let is_legal = |case: &&Case| matches!(case.expect, Expect::Decode | Expect::Lenient);
+    for case in suite().cases.iter().filter(is_legal) {
+        let codes = lint_codes(case);
+        let is_damage = |code: &str| ["PTM-I207", "PTM-E071", "PTM-E072"].contains(&code);
+        assert!(!codes.iter().any(|code| is_damage(code)), "{}", case.id);
+    }
+}
+
+#[test]
+fn a_truncated_file_is_compared_with_its_announced_size() {
+    let file = overwritten_file(0..0);
+    for length in [56, 57, 60_056, 45_056, 90_055] {
+        let findings = lint(&file[..length]);
+        let found = &findings[0].found;
+        assert_eq!(
+            found,
+            &format!("the file should have 90056 bytes and has {length}")
+        );
+    }
 }
 
 #[test]

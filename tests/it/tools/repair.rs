@@ -185,10 +185,11 @@ fn payloads_that_lost_bytes_are_not_cut() {
 1 | lint replaced.ptm | PTM-E071 && replaced other bytes
 1 | lint mac.ptm | PTM-E071
 1 | lint cut.ptm | PTM-E071
+1 | lint exact.ptm | PTM-E071
 1 | lint two.ptm | PTM-E072",
     );
     here.exits(1, "convert --repair lines.ptm -o none.ptm");
-    for name in ["replaced", "mac", "cut", "two"] {
+    for name in ["replaced", "mac", "cut", "exact", "two"] {
         here.exits(1, &format!("convert --repair {name}.ptm -o none.ptm"));
         let row = here
             .run(&format!("lint --format csv --no-header {name}.ptm"))

@@ -1,16 +1,19 @@
 //! Traces of damage in the payload that a decoder does not notice: a change of encoding, and lost sectors.
 
+use std::ops::Range;
+
 use super::{codes::Problem, diagnostic::Findings};
 use crate::dissection::{Dissection, FilePart, Role};
 use ptm::Format;
 
 /// Size of the smallest block that a storage device loses.
 const SECTOR_BYTES: usize = 512;
-/// Length of the shortest run of equal bytes that is reported.
-const MIN_LOST_SECTORS: usize = 8;
-
-/// Smallest number of characters above 127 that identify a text. Fewer may be coincidence in a small map.
+/// Number of sectors in the shortest run of equal bytes that is reported in streams and in indices of one byte.
+const MIN_STREAM_SECTORS: usize = 8;
+/// Smallest number of characters above 127 that identify a text whose size is wrong. Fewer may be coincidence in a small map.
 const MIN_CHARACTERS: usize = 8;
+/// Smallest number of characters above 127 that identify a text that was truncated to the right size.
+const MIN_CHARACTERS_OF_RIGHT_SIZE: usize = 64;
 
 pub(super) fn diagnose(findings: &mut Findings) {
     let dissection = findings.dissection;
@@ -77,12 +80,9 @@ pub(crate) fn payload_damage(dissection: &Dissection) -> Option<PayloadDamage> {
     is_damage.then_some(PayloadDamage::Excess { needed, excess })
 }
 
-/// Recognizes a payload that was converted to UTF-8: it is UTF-8 text and does not have the size that the header announces.
+/// Recognizes a payload that was converted to UTF-8: it is UTF-8 text with many characters above 127. A binary payload is not.
 fn text_payload(dissection: &Dissection, start: usize, needed: usize) -> Option<TextPayload> {
     let (header, payload) = dissection.file.split_at(start);
-    if payload.len() == needed {
-        return None;
-    }
     // Most payloads are refused within the first bytes.
     let text = match std::str::from_utf8(payload) {
         Ok(text) => text,
@@ -103,7 +103,12 @@ fn text_payload(dissection: &Dissection, start: usize, needed: usize) -> Option<
             restored: Some([header, &bytes].concat()),
         });
     }
-    if high < MIN_CHARACTERS {
+    let min = if payload.len() == needed {
+        MIN_CHARACTERS_OF_RIGHT_SIZE
+    } else {
+        MIN_CHARACTERS
+    };
+    if high < min {
         return None;
     }
     let lost = text
@@ -170,6 +175,11 @@ fn windows_1252_byte(character: char) -> Option<u8> {
     }
 }
 
+/// Returns the number of bytes that the header announces for the whole file.
+pub(super) fn announced_bytes(dissection: &Dissection) -> Option<usize> {
+    payload_start(dissection)?.checked_add(payload_bytes(dissection)?)
+}
+
 /// Returns the number of bytes of the payload that the header announces.
 fn payload_bytes(dissection: &Dissection) -> Option<usize> {
     let texels = dissection.size?.texels();
@@ -197,16 +207,11 @@ fn payload_bytes(dissection: &Dissection) -> Option<usize> {
 /// Reports the longest run of equal bytes that looks like lost sectors, and the number of such runs.
 fn report_lost_sectors(findings: &mut Findings, start: usize) {
     let dissection = findings.dissection;
-    let mut runs = Vec::new();
-    let mut next = start.next_multiple_of(SECTOR_BYTES);
-    while next < dissection.file.len() {
-        let sectors = equal_sectors(&dissection.file[next..]);
-        let end = (next + sectors * SECTOR_BYTES).min(dissection.file.len());
-        if sectors >= MIN_LOST_SECTORS && is_loss(dissection, next, end) {
-            runs.push(next..end);
-        }
-        next += SECTOR_BYTES * sectors.max(1);
-    }
+    let length = dissection.file.len();
+    let end =
+        payload_bytes(dissection).map_or(length, |needed| length.min(start.saturating_add(needed)));
+    let mut runs = runs_with_sectors(&dissection.file[..end], start);
+    runs.retain(|run| is_loss(dissection, &(start..end), run));
     let Some(longest) = runs
         .iter()
         .max_by_key(|run| (run.len(), usize::MAX - run.start))
@@ -222,38 +227,139 @@ fn report_lost_sectors(findings: &mut Findings, start: usize) {
     findings.add_at(Problem::LostSectors, longest.start, found);
 }
 
-/// Returns the number of sectors at the start of `bytes` that consist of one byte value. The last sector may be incomplete.
-fn equal_sectors(bytes: &[u8]) -> usize {
-    let first = bytes.first();
-    let is_equal = |sector: &&[u8]| sector.iter().all(|byte| Some(byte) == first);
-    bytes.chunks(SECTOR_BYTES).take_while(is_equal).count()
-}
-
-/// Returns true if the run of equal bytes ends exactly at the sectors, and is not a part of the image: a run that ends at the end
-/// of a row, or begins at the start of a row and ends with the file.
-fn is_loss(dissection: &Dissection, start: usize, end: usize) -> bool {
-    let file = dissection.file;
-    let value = file[start];
-    if file[start - 1] == value || file.get(end) == Some(&value) {
-        return false;
+/// Returns the runs of equal bytes from `start` that contain a whole sector or are at the end.
+fn runs_with_sectors(bytes: &[u8], start: usize) -> Vec<Range<usize>> {
+    let mut runs = Vec::new();
+    let mut next = start.next_multiple_of(SECTOR_BYTES);
+    while let Some(sector) = bytes.get(next..next + SECTOR_BYTES) {
+        if sector.iter().all(|&byte| byte == sector[0]) {
+            let run = run_around(bytes, start, next);
+            next = run.end.next_multiple_of(SECTOR_BYTES);
+            runs.push(run);
+        } else {
+            next += SECTOR_BYTES;
+        }
     }
-    let boundary = if end == file.len() { start } else { end };
-    !is_row_boundary(dissection, boundary)
+    if start < bytes.len() && runs.last().is_none_or(|run| run.end < bytes.len()) {
+        runs.push(run_around(bytes, start, bytes.len() - 1));
+    }
+    runs
 }
 
-/// Returns true if a row of an uncompressed block begins at `offset`.
-fn is_row_boundary(dissection: &Dissection, offset: usize) -> bool {
-    let rows = dissection.size.map_or(0, |size| size.height as usize);
-    let is_block = |part: &&FilePart| matches!(part.role, Role::Block(_) | Role::Indices);
-    let mut blocks = dissection.parts.iter().filter(is_block);
-    blocks.any(|part| {
-        let length = part
-            .full_length
-            .map_or(part.length, |length| length as usize);
-        let row = length.checked_div(rows).filter(|&row| row > 0);
-        let relative = offset.checked_sub(part.offset);
-        relative
-            .zip(row)
-            .is_some_and(|(relative, row)| relative <= length && relative.is_multiple_of(row))
-    })
+/// Returns the run of equal bytes from `start` that contains `place`.
+fn run_around(bytes: &[u8], start: usize, place: usize) -> Range<usize> {
+    let is_equal = |byte: &&u8| **byte == bytes[place];
+    let before = bytes[start..place]
+        .iter()
+        .rev()
+        .take_while(is_equal)
+        .count();
+    let after = bytes[place..].iter().take_while(is_equal).count();
+    place - before..place + after
+}
+
+/// Returns true if a run of equal bytes is long enough for a lost sector and is not a part of the image. `values` is the range of
+/// all values in the file.
+fn is_loss(dissection: &Dissection, values: &Range<usize>, run: &Range<usize>) -> bool {
+    let sectors = (run.end / SECTOR_BYTES).saturating_sub(run.start.div_ceil(SECTOR_BYTES));
+    let is_compressed = dissection.format.and_then(Format::coding).is_some();
+    // The stream of a constant plane may consist of equal bytes.
+    let needed = if is_compressed { MIN_STREAM_SECTORS } else { 1 };
+    let is_tail = run.end == values.end && run.len() >= SECTOR_BYTES / 2;
+    let is_long = sectors >= needed || is_tail;
+    is_long && run != values && (is_compressed || !is_in_image(dissection, run))
+}
+
+/// Uncompressed values of all texels: a block or the indices.
+struct TexelBlock {
+    range: Range<usize>,
+    texel_bytes: usize,
+    row_bytes: usize,
+}
+
+impl TexelBlock {
+    fn all(dissection: &Dissection) -> Vec<TexelBlock> {
+        let size = dissection.size.filter(|size| size.texels() > 0);
+        let parts = dissection.parts.iter();
+        let blocks = parts.filter(|part| matches!(part.role, Role::Block(_) | Role::Indices));
+        let block = |part: &FilePart| {
+            let length = part
+                .full_length
+                .map_or(part.length, |length| length as usize);
+            let texel_bytes = length / size?.texels();
+            let block = TexelBlock {
+                range: part.offset..part.offset + length,
+                texel_bytes,
+                row_bytes: texel_bytes * size?.width as usize,
+            };
+            (texel_bytes > 0).then_some(block)
+        };
+        blocks.filter_map(block).collect()
+    }
+
+    fn begins_texel(&self, offset: usize) -> bool {
+        (offset - self.range.start).is_multiple_of(self.texel_bytes)
+    }
+
+    fn begins_row(&self, offset: usize) -> bool {
+        (offset - self.range.start).is_multiple_of(self.row_bytes)
+    }
+
+    /// Returns true if the texels whose values in `other` are completely in `run` have equal values in this block. Texels after the
+    /// end of the file are ignored.
+    fn is_constant(&self, file: &[u8], other: &TexelBlock, run: &Range<usize>) -> bool {
+        let first = (run.start - other.range.start).div_ceil(other.texel_bytes);
+        let last = (run.end - other.range.start) / other.texel_bytes;
+        let [from, to] = [first, last].map(|texel| {
+            let offset = self.range.start + texel * self.texel_bytes;
+            offset.min(file.len())
+        });
+        let values = &file[from..to.max(from)];
+        let texels = values.chunks_exact(self.texel_bytes);
+        texels
+            .clone()
+            .zip(texels.skip(1))
+            .all(|(one, next)| one == next)
+    }
+}
+
+/// Returns true if a run of equal bytes may be a part of the image: it consists of whole texels, and the other values of these
+/// texels do not contradict that.
+fn is_in_image(dissection: &Dissection, run: &Range<usize>) -> bool {
+    let file = dissection.file;
+    let blocks = TexelBlock::all(dissection);
+    let block_of = |offset: usize| blocks.iter().find(|block| block.range.contains(&offset));
+    let (Some(first), Some(last)) = (block_of(run.start), block_of(run.end - 1)) else {
+        // A table may have unused entries.
+        return true;
+    };
+    let is_whole_texels = first.begins_texel(run.start) && last.begins_texel(run.end);
+    let reaches_end = run.end == file.len() || run.end == blocks[blocks.len() - 1].range.end;
+    let is_whole_rows = match reaches_end {
+        true => first.begins_row(run.start),
+        false => is_whole_texels && last.begins_row(run.end),
+    };
+    if is_whole_rows {
+        return true;
+    }
+    if first.range != last.range {
+        return is_whole_texels && !reaches_end;
+    }
+    // Indices of one byte are always whole, so only exact sectors are remarkable.
+    if first.texel_bytes == 1 {
+        let is_boundary = |offset: usize| offset.is_multiple_of(SECTOR_BYTES);
+        let is_exact = is_boundary(run.start) && (is_boundary(run.end) || reaches_end);
+        return !is_exact || run.len() < MIN_STREAM_SECTORS * SECTOR_BYTES;
+    }
+    match (dissection.format, &blocks[..]) {
+        // A dark or masked part of an object has neither luminance nor color.
+        (Some(Format::Lrgb), [luminance, color]) if first.range == luminance.range => {
+            color.is_constant(file, luminance, run)
+        }
+        // White or black texels are common, but seldom up to the end.
+        (Some(Format::Lrgb), [luminance, color]) => {
+            is_whole_texels && !reaches_end || luminance.is_constant(file, color, run)
+        }
+        _ => is_whole_texels,
+    }
 }

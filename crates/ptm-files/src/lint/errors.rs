@@ -1,6 +1,6 @@
 //! Maps errors of the reference decoder to lint codes.
 
-use super::{codes::Problem, diagnostic::Findings, fits, planes};
+use super::{codes::Problem, damage::announced_bytes, diagnostic::Findings, fits, planes};
 use crate::dissection::{Dissection, Role};
 use ptm::error::{Class, Error, Kind};
 use ptm::{Limits, Size};
@@ -16,7 +16,14 @@ pub(super) fn diagnose(findings: &mut Findings) {
         "2.9.8/3" | "2.9.8/5" | "2.9.8/6" => planes::diagnose_errors(findings),
         clause if !is_too_large || error.class() != Class::Limit => {
             let problem = classify(dissection, error);
-            let mut found = error.kind().to_string();
+            let announced = announced_bytes(dissection).filter(|_| problem == Problem::PayloadEnds);
+            let mut found = match announced {
+                Some(bytes) => {
+                    let length = dissection.file.len();
+                    format!("the file should have {bytes} bytes and has {length}")
+                }
+                None => error.kind().to_string(),
+            };
             if let Problem::Index | Problem::PayloadEnds | Problem::EntryCount = problem
                 && let Some(explanation) = fits::explanation(dissection)
             {
