@@ -15,7 +15,9 @@ use std::collections::HashSet;
 use super::dissection::{Dissection, FilePart, Role};
 use super::lint::{
     Lint,
+    codes::Problem,
     damage::{PayloadDamage, payload_damage},
+    errors::classify,
     status::without_damaged_start,
 };
 use super::segments::{EOI, SegmentKind, segments};
@@ -72,8 +74,7 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile> {
         bytes = restored;
     }
     if decode(&bytes).is_err() {
-        let header = LenientHeader::read(&bytes)?;
-        bytes = header.into_legal_file(&mut changes)?;
+        bytes = with_legal_header(&bytes, &mut changes)?;
     }
     let dissection = Dissection::parse(&bytes);
     // The damage may be visible only in the file with a legal header.
@@ -111,6 +112,70 @@ pub fn repair(file: &[u8]) -> Result<RepairedFile> {
         return Error::impossible(format!("the result is a different map; {bug}"));
     }
     Ok(RepairedFile { bytes, changes })
+}
+
+/// Returns the file with a legal header. The reason why there is none depends on the first error.
+fn with_legal_header(file: &[u8], changes: &mut Vec<String>) -> Result<Vec<u8>> {
+    let dissection = Dissection::parse(file);
+    let Err(error) = &dissection.outcome else {
+        return Ok(file.to_vec());
+    };
+    let reason = unrepairable_reason(classify(&dissection, error));
+    let made = LenientHeader::read(file).and_then(|header| header.into_legal_file(changes));
+    made.or_else(|why| match reason {
+        Some(reason) => Error::impossible(reason),
+        None => Err(why),
+    })
+}
+
+/// Returns the reason why a file with this problem is not repaired, or `None` for problems that are repaired if nothing else is wrong.
+fn unrepairable_reason(problem: Problem) -> Option<&'static str> {
+    Some(match problem {
+        Problem::CarriageReturn | Problem::Tab | Problem::Layout => return None,
+        Problem::HeaderLost => "nothing is left of the header; restore a backup",
+        Problem::NotAPtm | Problem::OtherVersion => {
+            "the first line is wrong, and may be of another format or version"
+        }
+        Problem::UnknownFormat => "the format name is wrong, and the data fits several formats",
+        Problem::HeaderEnds => "the file ends within its header; restore a backup",
+        Problem::SizeNotANumber | Problem::SizeOutOfRange => {
+            "the width or the height is wrong; only other records show the right one"
+        }
+        Problem::Scale => "a scale is not a number; only other records show the right one",
+        Problem::Bias => "a bias is not an integer; only other records show the right one",
+        Problem::TooFewNumbers => {
+            "a scale or a bias is missing or extra; only other records show the right ones"
+        }
+        Problem::EntryCount => {
+            "the number of table entries is wrong; only other records show the right one"
+        }
+        Problem::Matrix | Problem::MatrixShort => {
+            "a matrix element is wrong or missing; only other records show the right one"
+        }
+        Problem::ListsShort | Problem::ListNumber => {
+            "a number of a list is wrong or missing, and the streams do not show the right one"
+        }
+        Problem::Transform | Problem::NotAPlane | Problem::NotCausal => {
+            "the header does not say how the planes are predicted; a guess would change the image"
+        }
+        Problem::NegativeSize => "a size is negative, and the streams do not show the right one",
+        Problem::Index => {
+            "an index refers to an entry that the table does not have; nothing shows the right one"
+        }
+        Problem::PayloadEnds => {
+            "bytes are missing, or a number in the header is wrong, and nothing shows which; restore a backup"
+        }
+        Problem::NotAStream
+        | Problem::OtherImage
+        | Problem::StreamKind
+        | Problem::StreamDamaged => {
+            "a stream is damaged, or is not what the format needs; its values cannot be restored"
+        }
+        Problem::RecordCut | Problem::Position => {
+            "side information is wrong, and nothing shows the right records"
+        }
+        _ => "the faults have more than one possible correction",
+    })
 }
 
 impl<'a> LenientHeader<'a> {
@@ -165,8 +230,16 @@ impl<'a> LenientHeader<'a> {
             return Ok(normalized);
         }
         if self.format.coding().is_none() {
-            let why = "the faults cannot be repaired without guessing; `lint` lists them";
-            return Error::impossible(why);
+            let remaining = Dissection::parse(&normalized);
+            let problem = remaining
+                .outcome
+                .as_ref()
+                .err()
+                .map(|error| classify(&remaining, error));
+            let reason = problem.and_then(unrepairable_reason);
+            return Error::impossible(
+                reason.unwrap_or("the whitespace in the header is ambiguous"),
+            );
         }
         self.measure_streams(changes)?;
         Ok(self.to_bytes())

@@ -58,6 +58,7 @@ fn made_files() -> Vec<(&'static str, Vec<u8>)> {
     let table = [header.as_bytes(), &entries, &[0, 1, 2, 3]].concat();
     vec![
         ("PTM-E071", as_utf8(&noise)),
+        ("PTM-E071", as_utf8(&noise)[..noise.len()].to_vec()),
         ("PTM-E071", as_utf8(&table)),
         ("PTM-E072", [&noise[..], &noise].concat()),
         (
