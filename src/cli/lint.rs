@@ -24,7 +24,7 @@ use ptm_files::lint::codes::{ALL, Severity};
 use ptm_files::lint::status::{MAGIC, Status, begins_like_a_ptm, is_named_ptm};
 use ptm_files::lint::{names::escape_name, settings::Settings};
 use ptm_files::readers::ReaderProfile;
-use ptm_suite::kit::digest::sha256;
+use ptm_suite::kit::digest::{sha256, sha256_of_reader};
 use ptm_suite::kit::shard::Shard;
 use ptm_suite::kit::{parallel::process_in_order, strip_os_error_code, yaml};
 
@@ -399,8 +399,11 @@ impl FileChecker<'_> {
         if !begins_like_a_ptm(&bytes) {
             // The file system does not report the real length of a pipe or device.
             let length = length.max(bytes.len() as u64);
+            let has_checksum = self.has_checksums && data.is_file() && length <= limit;
+            let digest = has_checksum.then(|| sha256_of_reader((&bytes[..]).chain(file)));
             let lint = Lint {
                 bytes: Some(length),
+                sha256: digest.transpose()?,
                 modified,
                 ..Lint::new(&name, &bytes)
             };

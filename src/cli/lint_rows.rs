@@ -112,9 +112,12 @@ impl Rows {
         }
         match self.format {
             RowFormat::Text if lint.status == Status::Foreign => {
-                let found = lint.findings.first().map(|finding| finding.found.as_str());
-                let found = found.map_or(String::new(), |found| format!(": {found}"));
-                emit(&format!("{}: {}{found}\n", lint.file, lint.status.label()))
+                let reason = lint.reason.as_deref().unwrap_or_default();
+                emit(&format!(
+                    "{}: {}: {reason}\n",
+                    lint.file,
+                    lint.status.label()
+                ))
             }
             RowFormat::Text => print_text(&lint),
             RowFormat::Json => {

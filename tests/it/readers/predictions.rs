@@ -436,5 +436,5 @@ fn truncated_coefficients_are_nearly_the_same() {
     assert_eq!(prediction.visible_share, Some(0.0));
     assert_eq!(prediction.misreadings, ["coefficient-truncated"]);
     let cells = prediction.cells();
-    assert_eq!((&*cells[0], &*cells[2]), ("nearly-same", "0.0000"));
+    assert_eq!((&*cells[0], &*cells[2]), ("nearly-the-same", "0.0000"));
 }

@@ -9,6 +9,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
+use ptm_suite::kit::digest::sha256;
 use serde_json::Value;
 
 use crate::common::{Workspace, have_python, repository, run_measured, stdout};
@@ -279,6 +280,70 @@ fn photographs_beside_maps_are_counted_only() {
 0 | convert --repair files/line.ptm -o repaired.ptm | removed 1 byte before PTM_1.2",
     );
     assert_eq!(fs::read(here.path("repaired.ptm")).expect("a file"), map);
+}
+
+#[test]
+fn lost_and_foreign_files_have_digests_and_no_error_counts() {
+    let here = Workspace::new();
+    here.copy_from_corpus("lrgb/first-lrgb.ptm");
+    let map = here.read("first-lrgb.ptm");
+    let long = [&[0; 512][..], &map, &[7; 5000]].concat();
+    here.write("files/lost.ptm", &long);
+    here.write("files/zeros.ptm", [0; 100]);
+    here.write("files/empty.ptm", "");
+    let foreign: [(&str, Vec<u8>, &str); 9] = [
+        ("archive", b"\x1f\x8b\x08".to_vec(), "a gzip archive"),
+        ("photo", b"\xff\xd8\xff\xe0".to_vec(), "a JPEG image"),
+        ("scan", b"II*\0".to_vec(), "a TIFF image"),
+        ("error", b"\n<!DOCTYPE HTML>".to_vec(), "an HTML page"),
+        ("mac", [&[0; 128][..], &map].concat(), "a PTM in MacBinary"),
+        (
+            "text",
+            map.iter().flat_map(|&byte| [byte, 0]).collect(),
+            "UTF-16",
+        ),
+        ("mail", b"UFRNXzEuMgo=".to_vec(), "base64"),
+        (
+            "comment",
+            [b"# a comment\n", &map[..]].concat(),
+            "a PTM after 12 other bytes",
+        ),
+        (
+            "module",
+            [&b"title"[..], &[9; 9000]].concat(),
+            "expected PTM_1.2",
+        ),
+    ];
+    for (name, bytes, _) in &foreign {
+        here.write(&format!("files/{name}.ptm"), bytes);
+    }
+    let rows = lint_csv(&here, "files");
+    let row = |name: &str| {
+        let file = format!("files/{name}.ptm");
+        rows.iter().find(|row| row[0] == file).expect("a row")
+    };
+    for (name, bytes, kind) in &foreign {
+        let row = row(name);
+        assert_eq!(
+            (&*row[1], &*row[6], &*row[9]),
+            ("foreign", "0", ""),
+            "{row:?}"
+        );
+        assert!(row[10].contains(kind), "{row:?}");
+        assert_eq!(row[11], sha256(bytes));
+    }
+    for name in ["lost", "zeros", "empty"] {
+        assert_eq!((&*row(name)[1], &*row(name)[9]), ("damaged", "PTM-E004"));
+        assert!(row(name)[19].contains("nothing is left"));
+    }
+    assert_eq!(row("lost")[11], sha256(&long));
+    // A change after the first bytes is found.
+    here.write("rows", printed(&here, "lint --format csv files"));
+    here.write(
+        "files/module.ptm",
+        [&b"title"[..], &[9; 8999], b"x"].concat(),
+    );
+    here.exits(1, "lint -q --baseline rows files");
 }
 
 /// File names that could harm programs that print them.

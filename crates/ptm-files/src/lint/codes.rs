@@ -36,6 +36,7 @@ impl Severity {
 #[allow(missing_docs)] // the codes describe the variants
 pub enum Problem {
     NotAPtm,
+    HeaderLost,
     OtherVersion,
     UnknownFormat,
     CarriageReturn,

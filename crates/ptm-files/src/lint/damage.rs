@@ -7,7 +7,7 @@ use crate::dissection::{Dissection, FilePart, Role};
 use ptm::Format;
 
 /// Size of the smallest block that a storage device loses.
-const SECTOR_BYTES: usize = 512;
+pub(super) const SECTOR_BYTES: usize = 512;
 /// Number of sectors in the shortest run of equal bytes that is reported in streams and in indices of one byte.
 const MIN_STREAM_SECTORS: usize = 8;
 /// Smallest number of characters above 127 that identify a text whose size is wrong. Fewer may be coincidence in a small map.

@@ -1,6 +1,9 @@
 //! Maps errors of the reference decoder to lint codes.
 
-use super::{codes::Problem, damage::announced_bytes, diagnostic::Findings, fits, planes};
+use super::{
+    codes::Problem, damage::announced_bytes, diagnostic::Findings, fits, planes,
+    status::has_lost_header,
+};
 use crate::dissection::{Dissection, Role};
 use ptm::error::{Class, Error, Kind};
 use ptm::{Limits, Size};
@@ -22,6 +25,7 @@ pub(super) fn diagnose(findings: &mut Findings) {
                     let length = dissection.file.len();
                     format!("the file should have {bytes} bytes and has {length}")
                 }
+                None if problem == Problem::HeaderLost => String::new(),
                 None => error.kind().to_string(),
             };
             if let Problem::Index | Problem::PayloadEnds | Problem::EntryCount = problem
@@ -52,7 +56,11 @@ fn diagnose_size(findings: &mut Findings) -> bool {
     is_too_large
 }
 
-fn classify(dissection: &Dissection, error: &Error) -> Problem {
+/// Returns the problem that the decoder reports as this error.
+pub(crate) fn classify(dissection: &Dissection, error: &Error) -> Problem {
+    if has_lost_header(dissection.file) {
+        return Problem::HeaderLost;
+    }
     if let Some(code) = classify_whitespace(dissection, error) {
         return code;
     }

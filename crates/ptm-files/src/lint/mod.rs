@@ -10,8 +10,9 @@ pub mod codes;
 pub mod csv;
 pub(crate) mod damage;
 pub mod diagnostic;
-mod errors;
+pub(crate) mod errors;
 mod fits;
+mod foreign;
 mod header;
 mod lights;
 pub mod metadata;
@@ -136,10 +137,16 @@ impl Lint {
             status => status,
         };
         let mut reason = None;
-        // A file of another version or beyond a limit of the reference breaks no rule.
-        if status == Status::NotJudged {
-            let error = findings.iter().find(|finding| is_error(finding));
-            reason = error.map(not_judged_reason);
+        let error = findings.iter().find(|finding| is_error(finding));
+        match status {
+            // A file of another version or beyond a limit of the reference breaks no rule.
+            Status::NotJudged => reason = error.map(not_judged_reason),
+            Status::Foreign => {
+                reason = foreign::kind(file).or_else(|| error.map(|error| error.found.clone()));
+            }
+            _ => {}
+        }
+        if reason.is_some() {
             findings.retain(|finding| !is_error(finding));
         }
         let mut lint = Lint {

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::damage::SECTOR_BYTES;
 use crate::dissection::Dissection;
 use ptm::error::Class;
 
@@ -16,8 +17,8 @@ pub enum Status {
     Sound,
     /// The file is something else than a PTM.
     Foreign,
-    /// The file begins like a PTM, perhaps after a damaged first line, but violates a rule of the format; or it is empty and named
-    /// `.ptm`.
+    /// The file begins like a PTM, perhaps after a damaged first line, but violates a rule of the format; or it is named `.ptm` and
+    /// is empty or begins with a sector of zeros.
     Damaged,
     /// The file was not read, is a PTM of another version, or is not supported by the reference.
     #[default]
@@ -70,7 +71,7 @@ impl Status {
         let file = dissection.file;
         match &dissection.outcome {
             Ok(_) => Status::Sound,
-            Err(_) if file.is_empty() && is_named_ptm(name) => Status::Damaged,
+            Err(_) if has_lost_header(file) && is_named_ptm(name) => Status::Damaged,
             Err(_) if !begins_like_a_ptm(file) => Status::Foreign,
             Err(_) if is_another_version(file) => Status::NotJudged,
             Err(error) if error.class() != Class::Malformed => Status::NotJudged,
@@ -85,6 +86,13 @@ pub fn is_named_ptm(name: &str) -> bool {
     let start = name.len().saturating_sub(4);
     let end = name.as_bytes().get(start..).unwrap_or_default();
     end.eq_ignore_ascii_case(b".ptm")
+}
+
+/// Returns true if the file is empty, or its first sector (or the whole of a shorter file) consists of zeros.
+#[must_use]
+pub fn has_lost_header(file: &[u8]) -> bool {
+    let mut sector = file.iter().take(SECTOR_BYTES);
+    sector.all(|&byte| byte == 0)
 }
 
 /// Returns true if the file begins with [`MAGIC`], perhaps after a byte order mark, spaces or line ends.
@@ -121,6 +129,13 @@ mod tests {
             b"PTM_1.2\nPTM_FORMAT_LRGB\n1\n1\n1 1 1 1 1 1\n0 0 0 0 0 0\nabcdefrgb";
         for (file, status) in [
             (&b""[..], Status::Damaged),
+            (&[0; 512], Status::Damaged),
+            (&[0; 20], Status::Damaged),
+            // A module of ProTracker may begin with an empty title.
+            (
+                b"\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0song",
+                Status::Foreign,
+            ),
             (b"P6\n1 1\n255\n...", Status::Foreign),
             (b"ptm_1.2\nPTM_FORMAT_LRGB\n", Status::Foreign),
             (b"\nPTM_1.2\nPTM_FORMAT_LRGB\n", Status::Damaged),

@@ -23,8 +23,10 @@ pub enum Rendering {
     /// The correct image under every light.
     Same,
     /// An image whose colors differ by at most 2 of 255 under every tested light.
+    #[serde(rename = "nearly-the-same")]
     NearlySame,
     /// An image that is visibly wrong, or any image of a damaged file.
+    #[serde(rename = "visibly-wrong")]
     Wrong,
     /// No image: the reader refuses the file.
     Nothing,
@@ -38,8 +40,8 @@ impl Rendering {
     pub const fn name(self) -> &'static str {
         match self {
             Rendering::Same => "same",
-            Rendering::NearlySame => "nearly-same",
-            Rendering::Wrong => "wrong",
+            Rendering::NearlySame => "nearly-the-same",
+            Rendering::Wrong => "visibly-wrong",
             Rendering::Nothing => "nothing",
             Rendering::NotPredicted => "not-predicted",
         }
