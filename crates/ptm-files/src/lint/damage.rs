@@ -45,7 +45,7 @@ fn payload_start(dissection: &Dissection) -> Option<usize> {
 }
 
 /// Damage to the values of a file that the reference may read nevertheless.
-pub(crate) enum PayloadDamage {
+pub enum PayloadDamage {
     /// The payload was converted to UTF-8.
     Text(TextPayload),
     /// At least as many bytes as the values follow the last value.
@@ -58,15 +58,15 @@ pub(crate) enum PayloadDamage {
 }
 
 /// Payload that was converted to UTF-8.
-pub(crate) struct TextPayload {
+pub struct TextPayload {
     /// Description of the conversion.
     found: String,
     /// File before the conversion, if it is undone exactly: the result has the size that the header announces.
-    pub(crate) restored: Option<Vec<u8>>,
+    pub restored: Option<Vec<u8>>,
 }
 
 /// Returns the damage to the values of a file, as far as the payload shows it.
-pub(crate) fn payload_damage(dissection: &Dissection) -> Option<PayloadDamage> {
+pub fn payload_damage(dissection: &Dissection) -> Option<PayloadDamage> {
     let start = payload_start(dissection)?;
     let needed = payload_bytes(dissection)?;
     let payload = &dissection.file[start..];
@@ -136,12 +136,11 @@ fn undo_conversion(text: &str, needed: usize) -> Option<(String, Vec<u8>)> {
     while bytes.len() > needed {
         let text = std::str::from_utf8(&bytes).ok()?;
         let latin_1: Option<Vec<u8>> = text.chars().map(|one| u8::try_from(one).ok()).collect();
-        let (name, undone) = match latin_1 {
-            Some(undone) => ("Latin-1", undone),
-            None => {
-                let windows_1252: Option<Vec<u8>> = text.chars().map(windows_1252_byte).collect();
-                ("Windows-1252", windows_1252?)
-            }
+        let (name, undone) = if let Some(undone) = latin_1 {
+            ("Latin-1", undone)
+        } else {
+            let windows_1252: Option<Vec<u8>> = text.chars().map(windows_1252_byte).collect();
+            ("Windows-1252", windows_1252?)
         };
         // A text of ASCII characters does not become shorter.
         if undone.len() == bytes.len() {

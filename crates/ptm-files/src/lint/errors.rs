@@ -57,7 +57,7 @@ fn diagnose_size(findings: &mut Findings) -> bool {
 }
 
 /// Returns the problem that the decoder reports as this error.
-pub(crate) fn classify(dissection: &Dissection, error: &Error) -> Problem {
+pub fn classify(dissection: &Dissection, error: &Error) -> Problem {
     if has_lost_header(dissection.file) {
         return Problem::HeaderLost;
     }

@@ -32,7 +32,7 @@ const KINDS: [(&[u8], &str); 17] = [
     (b"UFRNXz", "a PTM that was converted to base64"),
 ];
 
-/// Size of the header that MacBinary puts before a file.
+/// Size of the header that `MacBinary` puts before a file.
 const MAC_BINARY_BYTES: usize = 128;
 
 /// Returns the kind of a file that is not a PTM, or `None` if its first bytes do not show it.
