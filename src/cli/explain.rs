@@ -167,16 +167,23 @@ fn explain(id: &str) -> Result<Option<String>, String> {
 
 fn explain_reader(profile: &ReaderProfile) -> String {
     let ReaderProfile { name, reader, .. } = profile;
+    let title = profile.title.as_deref();
+    let title = title.map_or_else(String::new, |title| format!(" ({title})"));
     let misreadings = profile.misreadings.iter();
     let misreadings = misreadings.map(|row| format!("{} ({})", row.slug, row.evidence.name()));
     let mut unusual = String::new();
     for row in &profile.unusual {
         let (shows, files) = (row.shows.label(), row.kind.label());
         let evidence = row.evidence.name();
-        let _ = writeln!(unusual, "  {shows} files {files} ({evidence})");
+        // Nothing is known about the other formats.
+        let formats = match &row.formats[..] {
+            [] => String::new(),
+            formats => format!(", in the format {}", formats.join(" or ")),
+        };
+        let _ = writeln!(unusual, "  {shows} files {files}{formats} ({evidence})");
     }
     format!(
-        "reader {name}: {reader}\n  reads: {}\n  misreadings: {}\n{unusual}  Predictions: ptm-conform lint --for {name} FILE\n",
+        "reader {name}: {reader}{title}\n  reads: {}\n  misreadings: {}\n{unusual}  Predictions: ptm-conform lint --for {name} FILE\n",
         profile.formats.join(", "),
         misreadings.collect::<Vec<_>>().join(", ")
     )

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 
 use super::{Lint, codes::Code, status::Status};
+use crate::readers::Rendering;
 
 /// Counts of all files in a run.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +15,8 @@ pub struct Totals {
     formats: BTreeMap<String, usize>,
     /// Number of files with each lint code.
     codes: BTreeMap<String, usize>,
+    /// Number of files with each predicted result of each reader, in the order of the readers.
+    predictions: Vec<(String, BTreeMap<Rendering, usize>)>,
     /// Number of files in folders that are neither named `.ptm` nor begin like a PTM.
     pub others: usize,
 }
@@ -23,6 +26,19 @@ impl Totals {
     pub fn add(&mut self, lint: &Lint) {
         let codes = lint.findings.iter().map(|finding| finding.code);
         self.add_row(lint.status, lint.format.unwrap_or_default(), codes);
+        for prediction in &lint.readers {
+            let place = self
+                .predictions
+                .iter()
+                .position(|(reader, _)| *reader == prediction.reader);
+            let place = place.unwrap_or_else(|| {
+                let reader = prediction.reader.clone();
+                self.predictions.push((reader, BTreeMap::new()));
+                self.predictions.len() - 1
+            });
+            let counts = &mut self.predictions[place].1;
+            *counts.entry(prediction.result).or_default() += 1;
+        }
     }
 
     /// Counts a file with this status, format (empty if unknown) and these lint codes.
@@ -75,6 +91,15 @@ impl Totals {
         for (id, count) in &self.codes {
             let says = Code::find(id).map_or("", |code| code.message);
             let _ = writeln!(out, "  {count:width$}  {id}  {says}");
+        }
+        for (reader, counts) in &self.predictions {
+            let counts = counts.iter();
+            let counts = counts.map(|(result, count)| format!("{count} {}", result.label()));
+            let _ = writeln!(
+                out,
+                "  in {reader}: {}",
+                counts.collect::<Vec<_>>().join(", ")
+            );
         }
         out
     }

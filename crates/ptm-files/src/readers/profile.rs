@@ -21,6 +21,9 @@ pub struct ReaderProfile {
     pub reader: String,
     /// Version or commit that was examined, if known.
     pub version: Option<String>,
+    /// Name by which people know the program, if it differs from the repository.
+    #[serde(default)]
+    pub title: Option<String>,
     /// Short names of the supported formats.
     #[serde(rename = "reads")]
     pub formats: Vec<String>,
