@@ -9,7 +9,7 @@ use super::arguments::parse_pair;
 use super::collection::{WalkItem, walk};
 use super::{CommandResult, EXIT_NOTHING_SELECTED, files, output};
 use crate::relight;
-use ptm_files::contact_sheet::{Cell, contact_sheet, sheet_size};
+use ptm_files::contact_sheet::{Cell, Notice, contact_sheet, sheet_size};
 use ptm_files::lint::status::{Status, is_named_ptm};
 use ptm_files::lint::{Lint, names::escape_name};
 use ptm_files::render::{encode_image, normals, render_lit, sheet, thumbnail, upscale};
@@ -161,7 +161,10 @@ fn write_contact_sheets(args: &RenderArgs) -> CommandResult {
                     Err(error) => {
                         bar.suspend(|| output::print_error(&error));
                         status = 2;
-                        Err(vec![Status::Unreadable.label().to_owned()])
+                        Err(Notice {
+                            lines: vec![Status::Unreadable.label().to_owned()],
+                            is_alarm: true,
+                        })
                     }
                 };
                 empty += usize::from(content.is_err());
@@ -197,8 +200,8 @@ fn read_limited(path: &Path) -> Result<Vec<u8>, String> {
     }
 }
 
-/// Returns the thumbnail of a file, or the lines that say why there is none.
-fn thumbnail_of(path: &Path, file: &[u8], side: u32) -> Result<RgbImage, Vec<String>> {
+/// Returns the thumbnail of a file, or a notice that says why there is none.
+fn thumbnail_of(path: &Path, file: &[u8], side: u32) -> Result<RgbImage, Notice> {
     let lint = Lint::new(&path.to_string_lossy(), file);
     if lint.status == Status::Sound
         && let Ok(ptm) = ptm::decode(file)
@@ -207,8 +210,10 @@ fn thumbnail_of(path: &Path, file: &[u8], side: u32) -> Result<RgbImage, Vec<Str
     }
     let code = lint.findings.first().map(|finding| finding.code.to_owned());
     let mut lines = vec![lint.status.label().to_owned()];
-    lines.extend(code.or(lint.reason));
-    Err(lines)
+    // The reason of a file that breaks no rule is more useful than the code of a warning.
+    lines.extend(lint.reason.or(code));
+    let is_alarm = !matches!(lint.status, Status::Foreign | Status::NotJudged);
+    Err(Notice { lines, is_alarm })
 }
 
 /// Returns the path of one of several sheets: sheet-07.png of 12.

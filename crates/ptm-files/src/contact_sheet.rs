@@ -11,16 +11,26 @@ use crate::render::{BACKGROUND, MAX_IMAGE_BYTES};
 pub struct Cell {
     /// Name of the file.
     pub name: String,
-    /// Thumbnail, or the lines that say why there is none.
-    pub content: std::result::Result<RgbImage, Vec<String>>,
+    /// Thumbnail, or a notice that says why there is none.
+    pub content: std::result::Result<RgbImage, Notice>,
+}
+
+/// Text in a cell without a thumbnail.
+pub struct Notice {
+    /// Lines of text; long ones are wrapped.
+    pub lines: Vec<String>,
+    /// True if something is wrong with the file. The cell is then red, and gray if not.
+    pub is_alarm: bool,
 }
 
 /// Number of pixels between cells.
 const GAP: u32 = 12;
 /// Height of the name below a cell.
 const NAME_HEIGHT: u32 = GLYPH_HEIGHT + 4;
-/// Color of a cell without a thumbnail.
-const EMPTY: Rgb<u8> = Rgb([92, 32, 32]);
+/// Color of a cell of a damaged or unreadable file.
+const ALARM: Rgb<u8> = Rgb([92, 32, 32]);
+/// Color of another cell without a thumbnail.
+const NEUTRAL: Rgb<u8> = Rgb([60, 60, 66]);
 /// Color of text.
 const TEXT: Rgb<u8> = Rgb([230; 3]);
 
@@ -63,12 +73,16 @@ pub fn contact_sheet(cells: &[Cell], columns: u32, side: u32) -> Result<RgbImage
                 let y = top + side.saturating_sub(image.height()) / 2;
                 imageops::replace(&mut sheet, image, x.into(), y.into());
             }
-            Err(lines) => {
-                let empty = RgbImage::from_pixel(side, side, EMPTY);
+            Err(notice) => {
+                let color = if notice.is_alarm { ALARM } else { NEUTRAL };
+                let empty = RgbImage::from_pixel(side, side, color);
                 imageops::replace(&mut sheet, &empty, left.into(), top.into());
+                let limit = (side / GLYPH_WIDTH) as usize;
+                let lines = notice.lines.iter().flat_map(|line| wrap(line, limit));
+                let lines: Vec<String> = lines.take((side / GLYPH_HEIGHT) as usize).collect();
                 let height = lines.len() as u32 * GLYPH_HEIGHT;
                 let mut y = top + side.saturating_sub(height) / 2;
-                for line in lines {
+                for line in &lines {
                     draw_centered(&mut sheet, line, left, y, side);
                     y += GLYPH_HEIGHT;
                 }
@@ -113,6 +127,21 @@ fn draw_centered(image: &mut RgbImage, text: &str, left: u32, top: u32, width: u
     }
 }
 
+/// Breaks a text at spaces into lines of at most `limit` characters. Longer words remain whole.
+fn wrap(text: &str, limit: usize) -> Vec<String> {
+    let mut lines: Vec<String> = Vec::new();
+    for word in text.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= limit => {
+                *line += " ";
+                *line += word;
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
+}
+
 /// Returns the characters of a text. If there are more than `limit`, dots replace those in the middle, so that the beginning and
 /// the number at the end remain.
 fn shorten(text: &str, limit: usize) -> Vec<char> {
@@ -150,23 +179,33 @@ mod tests {
     }
 
     #[test]
+    fn reasons_are_wrapped_between_words() {
+        let lines = wrap("the file has another version", 12);
+        assert_eq!(lines, ["the file has", "another", "version"]);
+    }
+
+    #[test]
     fn cells_are_in_rows_with_their_names() {
         let cell = |name: &str, content| Cell {
             name: name.to_owned(),
             content,
         };
+        let notice = |line: &str, is_alarm| {
+            let lines = vec![line.to_owned()];
+            Err(Notice { lines, is_alarm })
+        };
         let color = Rgb([1, 2, 3]);
         let cells = [
             cell("I", Ok(RgbImage::from_pixel(6, 4, color))),
-            cell("\u{10ffff}", Err(vec!["I".to_owned()])),
-            cell("", Err(Vec::new())),
+            cell("\u{10ffff}", notice("I", true)),
+            cell("", notice("", false)),
         ];
         let sheet = contact_sheet(&cells, 2, 20).expect("a small sheet");
         assert_eq!(sheet.dimensions(), (12 + 2 * 32, 12 + 2 * 49));
         assert_eq!(*sheet.get_pixel(12 + 7, 12 + 8), color);
         assert_eq!(*sheet.get_pixel(12 + 6, 12 + 8), BACKGROUND);
-        assert_eq!(*sheet.get_pixel(32 + 12, 12), EMPTY);
-        assert_eq!(*sheet.get_pixel(12, 49 + 12), EMPTY);
+        assert_eq!(*sheet.get_pixel(32 + 12, 12), ALARM);
+        assert_eq!(*sheet.get_pixel(12, 49 + 12), NEUTRAL);
         let has_text = |x: u32, y: u32| {
             let mut pixels = (x..x + 20).flat_map(|x| (y..y + 13).map(move |y| (x, y)));
             pixels.any(|(x, y)| *sheet.get_pixel(x, y) == TEXT)

@@ -47,7 +47,8 @@ fn folder_becomes_numbered_sheets() {
         red > green + 40
     };
     // In the order of the paths, files/d.ptm is the fourth and files/e.ptm the fifth.
-    assert!(red(&first, 84, 101) && red(&second, 12, 12));
+    // The fifth has another version, which is no damage.
+    assert!(red(&first, 84, 101) && !red(&second, 12, 12));
     assert!(!red(&first, 84, 12));
 
     let text = here.succeeds("render files/c.ptm files/b.ptm --sheet -o two.png");
