@@ -2,6 +2,8 @@
 //!
 //! Files are written one after the other, so the totals come last in the document; a style puts them first.
 
+use std::time::{Duration, SystemTime};
+
 use data_encoding::BASE64;
 use image::ImageFormat;
 use maud::{Markup, PreEscaped, html};
@@ -11,8 +13,31 @@ use ptm_files::lint::status::Status;
 use ptm_files::lint::{Lint, totals::Totals};
 use ptm_files::render::{self, encode_image};
 
-/// Beginning of the page.
-pub const HEAD: &str = include_str!("lint_page.html");
+/// Returns the beginning of the page. `folders` are the named files and folders.
+#[must_use]
+pub fn head(folders: &[String]) -> String {
+    let title = match folders {
+        [folder] => format!("PTM files in {folder}"),
+        [folder, ..] => format!("PTM files in {folder} and {} others", folders.len() - 1),
+        [] => "PTM files".to_owned(),
+    };
+    let made = format!("{}, ptm-conform {}", today(), env!("CARGO_PKG_VERSION"));
+    let escaped = |text: String| html! { (text) }.into_string();
+    include_str!("lint_page.html")
+        .replace("MADE", &made)
+        .replace("TITLE", &escaped(title))
+}
+
+/// Returns the date of the page. The variable `SOURCE_DATE_EPOCH` sets it, so that pages can be compared.
+fn today() -> String {
+    let seconds = std::env::var("SOURCE_DATE_EPOCH").ok();
+    let seconds = seconds.and_then(|text| text.parse::<u32>().ok());
+    let time = seconds.map_or_else(SystemTime::now, |seconds| {
+        SystemTime::UNIX_EPOCH + Duration::from_secs(seconds.into())
+    });
+    let text = humantime::format_rfc3339_seconds(time).to_string();
+    text[..10].to_owned()
+}
 
 /// Number of files with a thumbnail. More would make the page too large for a browser.
 pub const MAX_THUMBNAILS: usize = 2000;
@@ -41,7 +66,7 @@ pub fn article(lint: &Lint, thumbnail: Option<&String>) -> Markup {
     ];
     let facts: Vec<String> = facts.into_iter().flatten().collect();
     html! {
-        article {
+        article data-status=(lint.status.name()) {
             @match thumbnail {
                 Some(image) => img loading="lazy" alt="" src={ "data:image/png;base64," (image) };,
                 None => div.none {},
@@ -68,7 +93,7 @@ pub fn article(lint: &Lint, thumbnail: Option<&String>) -> Markup {
                     }
                 }
                 @for reader in &lint.readers {
-                    p { "In " (reader.reader) ": " (reader.result.name()) " " (reader.fault) }
+                    p { "In " (reader.reader) ": " (reader.result.label()) " " (reader.fault) }
                 }
             }
         }

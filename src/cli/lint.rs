@@ -155,7 +155,9 @@ pub fn run(args: &LintArgs) -> CommandResult {
         .as_deref()
         .map(EarlierRows::read)
         .transpose()?;
-    let rows = Rows::new(format, &readers, settings.max, !args.no_header);
+    let folders = args.files.iter().map(|path| escape_name(path.as_os_str()));
+    let folders: Vec<String> = folders.filter(|name| name != "-").collect();
+    let rows = Rows::new(format, &readers, settings.max, !args.no_header, &folders);
     let mut rows = rows.map_err(|error| error.to_string())?;
     let checker = FileChecker {
         limit: args.limit,

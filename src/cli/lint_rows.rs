@@ -62,11 +62,12 @@ impl Rows {
         readers: &[&ReaderProfile],
         max_findings: Option<usize>,
         has_header: bool,
+        folders: &[String],
     ) -> io::Result<Rows> {
         match format {
             RowFormat::Text | RowFormat::Yaml | RowFormat::Jsonl => {}
             RowFormat::Json => emit("[\n")?,
-            RowFormat::Html => emit(lint_page::HEAD)?,
+            RowFormat::Html => emit(&lint_page::head(folders))?,
             RowFormat::Csv if !has_header => {}
             RowFormat::Csv => emit(&csv::head(readers.iter().map(|reader| &*reader.name)))?,
             RowFormat::Sarif => emit(&sarif::head())?,

@@ -43,6 +43,13 @@ try {
     assert.equal(await shown("pTm-E070 damaged"), count / 4);
     assert.equal(await shown("no such text"), 0);
     assert.equal(await shown(" "), count);
+    const press = (name) => run(`
+      [...document.querySelectorAll("button")].find((one) => one.textContent === "${name}").click();
+      return [...document.querySelectorAll("article")].filter((one) => one.checkVisibility()).length;`);
+    assert.equal(await press("damaged"), count / 4);
+    assert.equal(await press("sound"), count * 3 / 4);
+    assert.equal(await overflow(), false, `the page scrolls sideways at ${width} pixels with buttons`);
+    assert.equal(await press("all"), count);
   }
 } finally {
   await close();
