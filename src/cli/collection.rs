@@ -5,8 +5,8 @@
 
 use std::collections::VecDeque;
 use std::ffi::OsString;
-use std::fs::{self, FileType, ReadDir};
-use std::io::{self, BufRead, Read};
+use std::fs::{self, File, FileType, ReadDir};
+use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Condvar, Mutex};
 
@@ -15,6 +15,7 @@ use super::files::is_named_pipe;
 use super::files::path_from_bytes;
 use ptm::Format;
 use ptm_files::dissection::Dissection;
+use ptm_files::lint::status::{MAGIC, is_named_ptm};
 
 /// Number of folder entries that are read and sorted at a time.
 const NAMES_PER_READ: usize = 4096;
@@ -53,6 +54,48 @@ impl WalkItem {
             | WalkItem::Unreadable(path, _) => path,
         }
     }
+}
+
+/// Returns true if a file in a folder is named `.ptm` or begins like a PTM. A file that cannot be read is selected, so that this is
+/// reported.
+pub fn is_ptm_in_folder(path: &Path) -> bool {
+    if is_named_ptm(&path.file_name().unwrap_or_default().to_string_lossy()) {
+        return true;
+    }
+    let mut magic = [0; MAGIC.len()];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut magic));
+    match read {
+        Ok(()) => magic == *MAGIC,
+        Err(error) => error.kind() != io::ErrorKind::UnexpectedEof,
+    }
+}
+
+/// Returns the path of a file relative to the folder among `named` that contains it, or `None` if there is no such folder.
+pub fn relative_to_named<'a>(named: &[PathBuf], path: &'a Path) -> Option<&'a Path> {
+    let mut below = named
+        .iter()
+        .filter_map(|folder| path.strip_prefix(folder).ok());
+    below.find(|path| !path.as_os_str().is_empty())
+}
+
+/// Returns the files and folders that are named on the command line, and those in the list on standard input, for which `-` stands.
+pub fn named_sources(
+    files: &[PathBuf],
+    is_null_separated: bool,
+) -> impl Iterator<Item = NamedPath> + Send {
+    let end = if is_null_separated { 0 } else { b'\n' };
+    let expand = move |path: &PathBuf| -> Box<dyn Iterator<Item = NamedPath> + Send> {
+        match is_list(path) {
+            true => Box::new(paths(BufReader::new(io::stdin()), end).map(|path| (path, true))),
+            false => Box::new(std::iter::once((path.clone(), false))),
+        }
+    };
+    files.iter().flat_map(expand)
+}
+
+/// Returns true if the path stands for the list on standard input.
+pub fn is_list(path: &Path) -> bool {
+    path.as_os_str() == "-"
 }
 
 /// Path of a file or folder, and a flag that is true if the path comes from a list. Devices are read only if they are named on

@@ -6,10 +6,11 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::collection::{WalkItem, is_ptm_in_folder, named_sources, relative_to_named, walk};
 use super::{CommandError, CommandResult, files, output, readers};
 use ptm::{Format, decode};
 use ptm_files::convert::{Target, convert};
-use ptm_files::lint::{csv::join_cells, names::escape_name};
+use ptm_files::lint::{csv::join_cells, names::escape_name, status::is_named_ptm};
 use ptm_files::{convert_for::convert_for, dissection::Dissection, repair::repair};
 use ptm_suite::kit::digest::sha256;
 
@@ -27,12 +28,19 @@ use ptm_suite::kit::digest::sha256;
 /// 69 it is not supported.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform convert coin.ptm --to JPEGLS_RGB -o small.ptm\n  ptm-conform convert coin.ptm --to JPEG_RGB --quality 90 -o smaller.ptm\n  ptm-conform convert table.ptm --to LRGB -o plain.ptm\n  ptm-conform convert coin.ptm --for relight,rtiviewer -o everywhere.ptm\n  ptm-conform convert damaged.ptm --repair -o repaired.ptm\n  ptm-conform convert --repair --dry-run --out-dir repaired *.ptm > log.csv"
+    after_help = "Examples:\n  ptm-conform convert coin.ptm --to JPEGLS_RGB -o small.ptm\n  ptm-conform convert coin.ptm --to JPEG_RGB --quality 90 -o smaller.ptm\n  ptm-conform convert table.ptm --to LRGB -o plain.ptm\n  ptm-conform convert coin.ptm --for relight,rtiviewer -o everywhere.ptm\n  ptm-conform convert damaged.ptm --repair -o repaired.ptm\n  ptm-conform convert --repair --dry-run --out-dir repaired -r /archive > log.csv"
 )]
+#[expect(clippy::struct_excessive_bools, reason = "each is a separate option")]
 pub struct ConvertArgs {
-    /// A PTM file; with --out-dir, any number of files.
+    /// A PTM file; with --out-dir, any number of files and folders, or - for a list on standard input, one path per line.
     #[arg(value_name = "FILE", required = true)]
     files: Vec<PathBuf>,
+    /// With --out-dir, also repair the files in subfolders.
+    #[arg(short, long, requires = "out_dir")]
+    recursive: bool,
+    /// Paths in the list end with a zero byte instead of a line feed.
+    #[arg(short = '0', long, requires = "out_dir")]
+    null: bool,
     /// The target format: RGB, LUM, LRGB, PTM_LUT, PTM_C_LUT, JPEG_RGB, JPEG_LRGB, JPEGLS_RGB or JPEGLS_LRGB.
     #[arg(long, value_name = "FORMAT", value_parser = super::arguments::parse_format, required_unless_present_any = ["readers", "repair"])]
     to: Option<Format>,
@@ -59,7 +67,8 @@ pub struct ConvertArgs {
         required_unless_present = "out_dir"
     )]
     output: Option<PathBuf>,
-    /// Write repaired files to DIR, which is created if necessary, under the names of the originals. No file is overwritten.
+    /// Write repaired files to DIR, which is created if necessary, under the names of the originals; files in folders keep their
+    /// path within the folder. No file is overwritten.
     #[arg(
         long,
         value_name = "DIR",
@@ -170,16 +179,22 @@ fn repair_files(args: &ConvertArgs, directory: &Path) -> CommandResult {
         "sha256 of output",
         "details",
     ])?;
-    let bar = output::bar(
-        Some(args.files.len() as u64),
-        "{pos}/{len} files, {eta} left",
-    );
+    let bar = output::bar(None, "{pos} files");
     let mut status = 0;
     let mut written = HashSet::new();
-    for file in &args.files {
+    for item in walk(named_sources(&args.files, args.null), args.recursive) {
+        let file = item.path();
+        let read = match &item {
+            WalkItem::Found(path) if !is_ptm_in_folder(path) => continue,
+            WalkItem::Skipped(path, _) if !is_named_ptm(&path.to_string_lossy()) => continue,
+            WalkItem::File(path) | WalkItem::Found(path) => files::read(path),
+            WalkItem::Skipped(path, why) => Err(files::with_path(path)(why)),
+            WalkItem::Unreadable(path, error) => Err(files::with_path(path)(error)),
+        };
         let name = escape_name(file.as_os_str());
-        let output = directory.join(file.file_name().unwrap_or_default());
-        let read = files::read(file);
+        let within = relative_to_named(&args.files, file);
+        let output =
+            directory.join(within.unwrap_or(file.file_name().unwrap_or_default().as_ref()));
         let before = read.as_ref().map_or(String::new(), |bytes| sha256(bytes));
         let repaired = match &read {
             Err(why) => Err(("unreadable", why.clone())),
@@ -197,7 +212,9 @@ fn repair_files(args: &ConvertArgs, directory: &Path) -> CommandResult {
                 ));
             }
             if !args.dry_run {
-                let done = files::write_atomically(&output, &repaired.bytes);
+                let folder = output.parent().unwrap_or(directory);
+                let made = std::fs::create_dir_all(folder).map_err(files::with_path(folder));
+                let done = made.and_then(|()| files::write_atomically(&output, &repaired.bytes));
                 done.map_err(|why| ("not written", why))?;
             }
             Ok(repaired)
