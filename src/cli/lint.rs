@@ -1,9 +1,9 @@
 //! Subcommand `ptm-conform lint`.
 
 use std::fs::{self, File, Metadata};
-use std::io::{self, BufReader, Read};
+use std::io::{self, Read};
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicIsize, Ordering::Relaxed};
 
 use clap::Args;
@@ -11,17 +11,20 @@ use glob::Pattern;
 use indicatif::ProgressBar;
 
 use super::arguments::parse_size;
-use super::collection::{MemoryPool, NamedPath, WalkItem, estimate_memory, paths, walk};
+use super::collection::{
+    MemoryPool, WalkItem, estimate_memory, is_list, is_ptm_in_folder, named_sources,
+    relative_to_named, walk,
+};
 use super::files::with_path;
 use super::lint_history::{Change, EarlierRow, EarlierRows};
-use super::lint_rows::{RowFormat, Rows};
+use super::lint_rows::{Renewal, RowFormat, Rows};
 use super::output::{self, MachineFormatArgs};
 use super::readers;
 use super::{CommandResult, EXIT_NOTHING_SELECTED};
 use crate::lint_page;
 use ptm_files::lint::Lint;
 use ptm_files::lint::codes::{ALL, Severity};
-use ptm_files::lint::status::{MAGIC, Status, begins_like_a_ptm, is_named_ptm};
+use ptm_files::lint::status::{Status, begins_like_a_ptm, is_named_ptm};
 use ptm_files::lint::{names::escape_name, settings::Settings};
 use ptm_files::readers::ReaderProfile;
 use ptm_suite::kit::digest::{sha256, sha256_of_reader};
@@ -44,7 +47,7 @@ use ptm_suite::kit::{parallel::process_in_order, strip_os_error_code, yaml};
 /// files are sound. With --baseline: 1 a file is newly damaged, changed, missing, or new and not sound; 0 otherwise.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint -r --format csv /archive > archive.csv\n  ptm-conform lint -r --format csv --resume archive.csv /archive > whole.csv\n  ptm-conform lint -r --format html /archive > archive.html\n  ptm-conform lint -rq --baseline archive.csv /archive     # for cron: quiet if nothing has changed\n  find /archive -name '*.ptm' -print0 | ptm-conform lint -0 -\n  ptm-conform lint --only PTM-W301 --severity PTM-W301=error table.ptm"
+    after_help = "Examples:\n  ptm-conform lint coin.ptm\n  ptm-conform lint -r --format csv /archive > archive.csv\n  ptm-conform lint -r --format csv --resume archive.csv /archive > whole.csv\n  ptm-conform lint -r --format html /archive > archive.html\n  ptm-conform lint -rq --baseline archive.csv --renew /archive     # for cron: quiet if nothing has changed\n  find /archive -name '*.ptm' -print0 | ptm-conform lint -0 -\n  ptm-conform lint --only PTM-W301 --severity PTM-W301=error table.ptm"
 )]
 #[expect(clippy::struct_excessive_bools, reason = "each is a separate option")]
 pub struct LintArgs {
@@ -60,7 +63,7 @@ pub struct LintArgs {
     /// In folders, check the files whose name matches GLOB (such as '*.bak') instead. Repeatable.
     #[arg(long, value_name = "GLOB", value_parser = parse_glob)]
     name: Vec<Pattern>,
-    /// Check only part I of N. The path of a file determines its part.
+    /// Check only part I of N. The path of a file within its folder on the command line determines its part.
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     /// The format of the results: text, json, jsonl (a JSON record per line), yaml, csv (one row per file), html (a
@@ -80,6 +83,10 @@ pub struct LintArgs {
     /// Compare with the csv or jsonl rows of an earlier run: print only what is new, changed, missing, newly damaged or repaired.
     #[arg(long, value_name = "ROWS", conflicts_with_all = ["format", "yaml", "json", "shard"])]
     baseline: Option<PathBuf>,
+    /// With --baseline, replace ROWS by the rows of this run, so that every change is reported once. ROWS stays as it is if a file
+    /// or folder cannot be read, or if there is no file to check.
+    #[arg(long, requires = "baseline")]
+    renew: bool,
     /// Do not report this code. Repeatable.
     #[arg(long, value_name = "CODE")]
     allow: Vec<String>,
@@ -155,6 +162,22 @@ pub fn run(args: &LintArgs) -> CommandResult {
         .as_deref()
         .map(EarlierRows::read)
         .transpose()?;
+    if let Some(path) = args
+        .resume
+        .as_ref()
+        .filter(|_| earlier.as_ref().is_some_and(EarlierRows::is_empty))
+    {
+        let path = path.display();
+        output::print_error(&format!(
+            "ptm-conform: {path} has no rows, so every file is checked; `--resume ROWS > ROWS` empties ROWS before it is read"
+        ));
+    }
+    let mut renewal = match (&args.baseline, &baseline) {
+        (Some(path), Some(baseline)) if args.renew => {
+            Some(Renewal::new(path, baseline.format(), &readers)?)
+        }
+        _ => None,
+    };
     let folders = args.files.iter().map(|path| escape_name(path.as_os_str()));
     let folders: Vec<String> = folders.filter(|name| name != "-").collect();
     let rows = Rows::new(format, &readers, settings.max, !args.no_header, &folders);
@@ -176,11 +199,12 @@ pub fn run(args: &LintArgs) -> CommandResult {
     let mut written = Ok(());
     let mut worst = 0;
     let mut has_new_trouble = false;
-    let walk = walk(named_sources(args), args.recursive);
+    let (mut reused, mut unreadable) = (0_usize, 0_usize);
+    let walk = walk(named_sources(&args.files, args.null), args.recursive);
     let walk = walk.take_while(|_| !closed.load(Relaxed));
     let walk = walk.filter(|item| {
-        let path = item.path().as_os_str().as_encoded_bytes();
-        args.shard.is_none_or(|part| part.contains(path))
+        args.shard
+            .is_none_or(|part| part.contains(&shard_name(&args.files, item.path())))
     });
     let rank = |status: &u8| STATUSES_WORST_FIRST.iter().position(|one| one == status);
     process_in_order(walk, jobs, &|item| checker.check_item(item), |checked| {
@@ -191,10 +215,15 @@ pub fn run(args: &LintArgs) -> CommandResult {
             }
             Checked::Earlier(row) => {
                 let judged = (row.status, row.errors, row.warnings);
+                reused += 1;
                 (judged, bar.suspend(|| rows.show_earlier(&row)))
             }
             Checked::File(path, lint, thumbnail) => {
                 let judged = (lint.status, lint.errors, lint.warnings);
+                unreadable += usize::from(lint.status == Status::Unreadable);
+                let renewed = renewal
+                    .as_mut()
+                    .map_or(Ok(()), |renewal| renewal.add(&lint));
                 let shown = match &mut baseline {
                     Some(baseline) => bar.suspend(|| {
                         let change = baseline.compare(&lint);
@@ -203,6 +232,7 @@ pub fn run(args: &LintArgs) -> CommandResult {
                     }),
                     None => bar.suspend(|| rows.show(&path, *lint, thumbnail.as_ref())),
                 };
+                let shown = renewed.and(shown);
                 (judged, shown)
             }
         };
@@ -228,6 +258,23 @@ pub fn run(args: &LintArgs) -> CommandResult {
         worst = u8::from(has_new_trouble || !missing.is_empty());
     }
     output::check_written(rows.end())?;
+    if let Some(path) = args.resume.as_ref().filter(|_| !output::is_quiet()) {
+        let (path, [files, _]) = (path.display(), rows.counts());
+        output::print_error(&format!("{reused} of {files} rows are those of {path}"));
+    }
+    if let Some(renewal) = renewal {
+        let kept = match (unreadable, rows.counts()) {
+            (_, [0, _]) => Some("there is no file to check".to_owned()),
+            (0, _) => None,
+            (count, _) => Some(format!("unreadable files and folders: {count}")),
+        };
+        match kept {
+            Some(why) => {
+                output::print_error(&format!("ptm-conform: the rows are not renewed; {why}"));
+            }
+            None => renewal.finish()?,
+        }
+    }
     if let [0, others] = rows.counts()
         && baseline.is_none()
     {
@@ -240,6 +287,17 @@ pub fn run(args: &LintArgs) -> CommandResult {
         return Ok(EXIT_NOTHING_SELECTED);
     }
     Ok(worst)
+}
+
+/// Returns the path that determines the part of a file: relative to the folder that was named, so that a collection has the same
+/// parts under every mount point.
+fn shard_name(named: &[PathBuf], path: &Path) -> Vec<u8> {
+    let parts = relative_to_named(named, path).unwrap_or(path).components();
+    let parts = parts.filter(|part| *part != Component::CurDir);
+    let parts: Vec<&[u8]> = parts
+        .map(|part| part.as_os_str().as_encoded_bytes())
+        .collect();
+    parts.join(&b'/')
 }
 
 /// Exit statuses from worst to best: damaged, unreadable, foreign, not judged, sound.
@@ -270,22 +328,6 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
     });
     settings.check()?;
     Ok(settings)
-}
-
-/// Returns the paths from the command line and from the list on standard input.
-fn named_sources(args: &LintArgs) -> impl Iterator<Item = NamedPath> + Send {
-    let end = if args.null { 0 } else { b'\n' };
-    let expand = move |path: &PathBuf| -> Box<dyn Iterator<Item = NamedPath> + Send> {
-        match is_list(path) {
-            true => Box::new(paths(BufReader::new(io::stdin()), end).map(|path| (path, true))),
-            false => Box::new(std::iter::once((path.clone(), false))),
-        }
-    };
-    args.files.iter().flat_map(expand)
-}
-
-fn is_list(path: &Path) -> bool {
-    path.as_os_str() == "-"
 }
 
 /// Creates a progress bar. A separate thread counts the files, so that the remaining time can be estimated.
@@ -354,14 +396,9 @@ impl FileChecker<'_> {
 
     /// Returns true if a file in a folder is checked. A file that cannot be read is checked, so that this is reported.
     fn selects(&self, path: &Path) -> bool {
-        if self.selects_name(path) || !self.args.name.is_empty() {
-            return self.selects_name(path);
-        }
-        let mut magic = [0; MAGIC.len()];
-        let read = File::open(path).and_then(|mut file| file.read_exact(&mut magic));
-        match read {
-            Ok(()) => magic == *MAGIC,
-            Err(error) => error.kind() != io::ErrorKind::UnexpectedEof,
+        match &self.args.name[..] {
+            [] => is_ptm_in_folder(path),
+            _ => self.selects_name(path),
         }
     }
 

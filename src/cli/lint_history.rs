@@ -17,6 +17,8 @@ use super::lint_rows::RowFormat;
 pub struct EarlierRow {
     /// The row as it was printed, without its line feed.
     pub line: String,
+    /// The file as it was printed.
+    file: String,
     pub status: Status,
     pub format: String,
     pub codes: Vec<String>,
@@ -43,6 +45,8 @@ pub struct EarlierRows {
     /// The names of the columns; empty for records in JSON.
     columns: Vec<String>,
     rows: HashMap<String, EarlierRow>,
+    /// The working directory, to which relative paths refer.
+    directory: String,
 }
 
 impl EarlierRows {
@@ -67,10 +71,17 @@ impl EarlierRows {
         };
         let expected = head(std::iter::empty());
         if !is_json && !columns.starts_with(&split_row(expected.trim_end())) && !text.is_empty() {
-            return Err(with_path(path)(
-                "not the rows of `lint --format csv` or `--format jsonl` of this version",
-            ));
+            let mut why = "not the rows of `lint --format csv` or `--format jsonl` of this version"
+                .to_owned();
+            let first = text.lines().next().unwrap_or_default();
+            if first.starts_with('\u{feff}') || first.contains(';') || first.contains('\t') {
+                why +=
+                    "; a spreadsheet seems to have saved them, so use the file that `lint` wrote";
+            }
+            return Err(with_path(path)(why));
         }
+        let directory = std::env::current_dir().unwrap_or_default();
+        let directory = escape_name(directory.as_os_str());
         let mut rows = HashMap::new();
         for (number, line) in lines {
             let row = match is_json {
@@ -78,8 +89,8 @@ impl EarlierRows {
                 false => row_of_cells(&columns, line),
             };
             let wrong = || with_path(path)(format!("line {number} is not a row"));
-            let (file, row) = row.ok_or_else(wrong)?;
-            rows.insert(file, row);
+            let row = row.ok_or_else(wrong)?;
+            rows.insert(row_key(&directory, &row.file, !is_json), row);
         }
         Ok(EarlierRows {
             format: if is_json {
@@ -89,7 +100,18 @@ impl EarlierRows {
             },
             columns,
             rows,
+            directory,
         })
+    }
+
+    /// Returns the format of the rows.
+    pub fn format(&self) -> RowFormat {
+        self.format
+    }
+
+    /// Returns true if there are no rows.
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
     }
 
     /// Returns an error if rows in `format`, with the columns of these readers, cannot continue these.
@@ -117,16 +139,16 @@ impl EarlierRows {
         }
     }
 
-    /// Returns the earlier row of a file.
+    /// Returns the earlier row of a file, if it has the same spelling of the path.
     pub fn get(&self, path: &Path) -> Option<&EarlierRow> {
-        self.rows.get(&self.key(&escape_name(path.as_os_str())))
+        let name = escape_name(path.as_os_str());
+        let row = self.rows.get(&self.key(&name))?;
+        let is_equal = row.file == name || row.file == cell_text(&name);
+        is_equal.then_some(row)
     }
 
     fn key(&self, name: &str) -> String {
-        match self.format {
-            RowFormat::Csv => cell_text(name),
-            _ => name.to_owned(),
-        }
+        row_key(&self.directory, name, self.format == RowFormat::Csv)
     }
 
     /// Compares the result for a file with its earlier row, and returns what has changed.
@@ -151,8 +173,8 @@ impl EarlierRows {
 
     /// Returns the files of the earlier run that were not seen again, in order.
     pub fn missing(&self) -> Vec<&str> {
-        let missing = self.rows.iter().filter(|(_, row)| !row.is_seen);
-        let mut missing: Vec<&str> = missing.map(|(file, _)| file.as_str()).collect();
+        let missing = self.rows.values().filter(|row| !row.is_seen);
+        let mut missing: Vec<&str> = missing.map(|row| row.file.as_str()).collect();
         missing.sort_unstable();
         missing
     }
@@ -195,7 +217,24 @@ impl Change {
     }
 }
 
-fn row_of_cells(columns: &[String], line: &str) -> Option<(String, EarlierRow)> {
+/// Returns the absolute path of a file in a row, without repeated separators and `.`, so that `v`, `./v` and `/archive/v` are the
+/// same file.
+fn row_key(directory: &str, file: &str, is_cell: bool) -> String {
+    let unquoted = file
+        .strip_prefix('\'')
+        .filter(|rest| is_cell && cell_text(rest) != *rest);
+    let file = unquoted.unwrap_or(file);
+    let start = if Path::new(file).is_absolute() {
+        ""
+    } else {
+        directory
+    };
+    let parts = start.split('/').chain(file.split('/'));
+    let parts: Vec<&str> = parts.filter(|part| !matches!(*part, "" | ".")).collect();
+    parts.join("/")
+}
+
+fn row_of_cells(columns: &[String], line: &str) -> Option<EarlierRow> {
     let cells = split_row(line);
     if cells.len() != columns.len() {
         return None;
@@ -204,8 +243,9 @@ fn row_of_cells(columns: &[String], line: &str) -> Option<(String, EarlierRow)> 
         let column = columns.iter().position(|column| column == name)?;
         Some(cells[column].clone())
     };
-    let row = EarlierRow {
+    Some(EarlierRow {
         line: line.to_owned(),
+        file: cell("file")?,
         status: Status::from_name(&cell("status")?)?,
         format: cell("format")?,
         codes: cell("codes")?
@@ -218,17 +258,17 @@ fn row_of_cells(columns: &[String], line: &str) -> Option<(String, EarlierRow)> 
         modified: cell("modified")?,
         sha256: cell("sha256")?,
         is_seen: false,
-    };
-    Some((cell("file")?, row))
+    })
 }
 
-fn row_of_json(line: &str) -> Option<(String, EarlierRow)> {
+fn row_of_json(line: &str) -> Option<EarlierRow> {
     let record: serde_json::Value = serde_json::from_str(line).ok()?;
     let text = |name: &str| record[name].as_str().unwrap_or_default().to_owned();
     let count = |name: &str| record[name].as_u64().map(|count| count as usize);
     let codes = record["findings"].as_array()?.iter();
-    let row = EarlierRow {
+    Some(EarlierRow {
         line: line.to_owned(),
+        file: record["file"].as_str()?.to_owned(),
         status: Status::from_name(record["status"].as_str()?)?,
         format: text("format"),
         codes: codes
@@ -240,8 +280,7 @@ fn row_of_json(line: &str) -> Option<(String, EarlierRow)> {
         modified: text("modified"),
         sha256: text("sha256"),
         is_seen: false,
-    };
-    Some((record["file"].as_str()?.to_owned(), row))
+    })
 }
 
 /// Splits a row of comma-separated cells, which may be quoted. No cell contains a line feed.
@@ -264,6 +303,16 @@ fn split_row(line: &str) -> Vec<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn paths_of_a_file_have_one_key() {
+        let key = |file| row_key("/archive", file, true);
+        for file in ["./v/a.ptm", "v//a.ptm", "/archive/v/./a.ptm"] {
+            assert_eq!(key(file), key("v/a.ptm"));
+        }
+        assert_eq!(key("'=1.ptm"), key("=1.ptm"));
+        assert_ne!(key("w/a.ptm"), key("v/a.ptm"));
+    }
 
     #[test]
     fn quoted_cells_are_split() {

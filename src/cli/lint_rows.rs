@@ -1,7 +1,7 @@
 //! Output of `lint` in every format: a row for each file, in order, and the totals at the end.
 
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use crate::lint_page;
 use clap::ValueEnum;
@@ -11,6 +11,7 @@ use ptm_files::readers::ReaderProfile;
 use ptm_suite::kit::yaml::to_yaml;
 
 use super::{
+    files,
     links::add_links,
     lint_history::{Change, EarlierRow},
     output,
@@ -183,6 +184,50 @@ impl Rows {
             self.has_output = true;
         }
         emit(&out)
+    }
+}
+
+/// Rows that replace those of an earlier run when the run is complete. They are in memory until then, as the earlier rows are.
+pub struct Renewal {
+    path: PathBuf,
+    format: RowFormat,
+    reader_count: usize,
+    rows: Vec<u8>,
+}
+
+impl Renewal {
+    /// Begins rows in `format`, CSV or JSON lines, for the file at `path`.
+    pub fn new(
+        path: &Path,
+        format: RowFormat,
+        readers: &[&ReaderProfile],
+    ) -> Result<Renewal, String> {
+        files::check_writable(path)?;
+        let head = match format {
+            RowFormat::Csv => csv::head(readers.iter().map(|reader| &*reader.name)),
+            _ => String::new(),
+        };
+        Ok(Renewal {
+            path: path.to_owned(),
+            format,
+            reader_count: readers.len(),
+            rows: head.into_bytes(),
+        })
+    }
+
+    pub fn add(&mut self, lint: &Lint) -> io::Result<()> {
+        if self.format == RowFormat::Csv {
+            self.rows.extend(csv::row(lint, self.reader_count).bytes());
+        } else {
+            serde_json::to_writer(&mut self.rows, lint).map_err(io::Error::other)?;
+            self.rows.push(b'\n');
+        }
+        Ok(())
+    }
+
+    /// Replaces the earlier rows.
+    pub fn finish(self) -> Result<(), String> {
+        files::write_atomically(&self.path, self.rows)
     }
 }
 

@@ -12,7 +12,10 @@ use std::time::Duration;
 use ptm_suite::kit::digest::sha256;
 use serde_json::Value;
 
-use crate::common::{Workspace, have_python, repository, run_measured, stdout};
+use crate::common::{
+    PROGRAM, Workspace, have_python, repository, repository_text, run_measured, stdout,
+};
+use ptm_files::readers::profiles;
 
 /// Runs `lint` with CSV output and returns the cells of each row.
 fn lint_csv(here: &Workspace, line: &str) -> Vec<Vec<String>> {
@@ -170,12 +173,20 @@ fn only_changed_files_are_read_again() {
         after,
         rows("lint -r --format csv files").replace("PTM-E070", "PTM-E070 old")
     );
+    here.write("empty.csv", "");
+    here.write("bom.csv", format!("\u{feff}{before}"));
+    here.write("semicolons.csv", before.replace(',', ";"));
     here.assert_lines(
         "
 2 | lint --resume rows.csv --format jsonl files | --format csv
 2 | lint --resume rows.csv --format csv --for relight files | the same --for
 2 | lint --resume files/0/1.ptm --format csv files | not the rows
 2 | lint --resume none.csv --format csv files | none.csv
+1 | lint --resume empty.csv --format csv -r files | empties ROWS before it is read
+1 | lint --resume rows.csv --format csv -r files | 7 of 8 rows are those of rows.csv
+2 | lint --baseline bom.csv files | a spreadsheet seems to have saved them
+2 | lint --baseline semicolons.csv files | a spreadsheet seems to have saved them
+2 | lint --renew files | --baseline
 2 | lint --baseline rows.csv --shard 1/2 files | cannot be used with
 2 | lint --baseline rows.csv --json files | cannot be used with",
     );
@@ -237,6 +248,101 @@ fn reports_of_every_kind_obey_the_color_option() {
         assert!(!is_colored(format!("{line} files")));
         assert!(!is_colored(format!("{line} --color never files")));
         assert!(is_colored(format!("{line} --color always files")), "{line}");
+    }
+}
+
+/// Returns the commands of the section "Every night" of the documentation, for the folder `files`.
+fn nightly_commands() -> Vec<String> {
+    let text = repository_text("docs/archives.md");
+    let (_, section) = text.split_once("## Every night\n").expect("the section");
+    let lines = section.lines().skip_while(|line| line.is_empty());
+    let lines = lines.take_while(|line| line.starts_with("    "));
+    lines
+        .map(|line| line.trim().replace("/archive", "files"))
+        .collect()
+}
+
+#[test]
+fn the_nightly_commands_report_every_change_once() {
+    let here = Workspace::new();
+    write_collection(&here, "files", 8);
+    let commands = nightly_commands();
+    let [first, nightly] = &commands[..] else {
+        panic!("two commands: {commands:?}");
+    };
+    let run = |command: &str| {
+        let folder = Path::new(PROGRAM).parent().expect("a folder");
+        let path = std::env::var("PATH").expect("a path");
+        let mut shell = Command::new("sh");
+        shell.args(["-c", command]).current_dir(here.path("."));
+        shell.env("PATH", format!("{}:{path}", folder.display()));
+        let output = shell.output().expect("a shell");
+        let text = [output.stdout, output.stderr].concat();
+        let text = String::from_utf8(text).expect("UTF-8");
+        (output.status.code().expect("a status"), text)
+    };
+    assert_eq!(run(first), (1, String::new()));
+    let quiet = (0, String::new());
+    assert_eq!(run(nightly), quiet);
+    let sound = here.read("files/0/0.ptm");
+    here.write("files/0/new.ptm", &sound);
+    assert_eq!(
+        run(nightly),
+        (0, "files/0/new.ptm: new, sound\n".to_owned())
+    );
+    assert_eq!(run(nightly), quiet);
+    here.write("files/0/0.ptm", [&sound[..], b"\n"].concat());
+    assert_eq!(run(nightly), (1, "files/0/0.ptm: changed\n".to_owned()));
+    assert_eq!(run(nightly), quiet);
+    assert_eq!(
+        here.text("rows.csv"),
+        printed(&here, "lint -rq --format csv files")
+    );
+    // A disk that is not mounted.
+    fs::rename(here.path("files"), here.path("away")).expect("a folder");
+    fs::create_dir(here.path("files")).expect("a folder");
+    let (status, text) = run(nightly);
+    assert!(status == 1 && text.contains("not renewed"), "{text}");
+    fs::remove_dir(here.path("files")).expect("an empty folder");
+    assert!(run(nightly).1.contains("not renewed"));
+    fs::rename(here.path("away"), here.path("files")).expect("a folder");
+    assert_eq!(run(nightly), quiet);
+}
+
+#[test]
+fn spellings_of_a_path_are_equal() {
+    let here = Workspace::new();
+    write_collection(&here, "a/files", 12);
+    write_collection(&here, "other/mount/files", 12);
+    here.write("rows", printed(&here, "lint -r --format csv a/files"));
+    let absolute = here.path("a/files");
+    for folder in ["./a/files", "a//files/", &absolute.display().to_string()] {
+        assert_eq!(
+            here.run(&format!("lint -rq --baseline rows {folder}")),
+            (0, String::new())
+        );
+    }
+    let part = |folder: &str, directory: &str| {
+        let line = format!("lint -rq --shard 2/3 --format csv --no-header {folder}");
+        let output = here
+            .command(&line)
+            .current_dir(here.path(directory))
+            .output();
+        let text = String::from_utf8(output.expect("the program starts").stdout).expect("UTF-8");
+        let names = text.lines().map(|line| {
+            let name = line.split(',').next().expect("a name");
+            name.rsplit('/').take(2).collect::<Vec<_>>().join(" ")
+        });
+        names.collect::<Vec<String>>()
+    };
+    let expected = part("a/files", ".");
+    assert!(expected.len() > 1 && expected.len() < 12);
+    for (folder, directory) in [
+        ("./a/files/", "."),
+        (".", "a/files"),
+        ("other/mount/files", "."),
+    ] {
+        assert_eq!(part(folder, directory), expected, "{folder}");
     }
 }
 
@@ -601,13 +707,86 @@ fn many_files_are_repaired_at_once() {
 }
 
 #[test]
+fn folders_and_lists_are_repaired() {
+    let here = Workspace::new();
+    let sound = fs::read(repository("corpus/lrgb/first-lrgb.ptm")).expect("a file");
+    for name in ["a/line.ptm", "a/b/line.ptm", "a/b/c/line.ptm"] {
+        here.write(&format!("files/{name}"), [b"\n", &sound[..]].concat());
+    }
+    here.write("files/a/photo.jpg", b"\xff\xd8\xff");
+    let repaired = |line: &str| {
+        let text = here.run(line).1;
+        text.lines()
+            .filter(|row| row.contains(",repaired,"))
+            .count()
+    };
+    assert_eq!(repaired("convert --repair --out-dir flat files/a"), 1);
+    assert_eq!(repaired("convert --repair --out-dir deep -r files"), 3);
+    assert_eq!(here.read("deep/a/b/c/line.ptm"), sound);
+    assert!(!here.path("deep/a/photo.jpg").exists());
+    assert_eq!(repaired("convert --repair --out-dir deep -r files"), 0);
+    here.write("list", b"files/a/line.ptm\0files/a/b/line.ptm\0");
+    let mut command = here.command("convert --repair --out-dir listed -0 -");
+    command.stdin(File::open(here.path("list")).expect("the list"));
+    let text = stdout_of_any_status(&mut command);
+    assert!(
+        text.contains("files/a/line.ptm,repaired")
+            && text.contains("files/a/b/line.ptm,not written")
+    );
+    here.exits(2, "convert --repair -r files -o none.ptm");
+}
+
+/// Returns what a command prints to standard output, whatever its exit status is.
+fn stdout_of_any_status(command: &mut Command) -> String {
+    let output = command.output().expect("the program starts");
+    String::from_utf8(output.stdout).expect("UTF-8")
+}
+
+#[test]
+fn totals_count_the_predictions_of_each_reader() {
+    let here = Workspace::new();
+    write_collection(&here, "files", 8);
+    let text = printed(&here, "lint -r --for relight,joncooper files");
+    let totals: Vec<&str> = text.lines().rev().take(2).collect();
+    for (line, reader) in totals.iter().zip(["joncooper", "relight"]) {
+        assert!(line.starts_with(&format!("  in {reader}: ")), "{line}");
+        assert!(line.contains("same") && line.contains("nothing"), "{line}");
+    }
+}
+
+#[test]
+fn known_readers_are_listed_in_the_documentation() {
+    let text = repository_text("docs/archives.md");
+    for profile in profiles() {
+        let title = profile.title.as_ref();
+        let title = title.map_or_else(String::new, |title| format!("{title}, "));
+        let row = format!("| {} | {title}{} | ", profile.name, profile.reader);
+        assert!(text.contains(&row), "{row}");
+    }
+    let here = Workspace::new();
+    here.assert_lines(
+        "
+0 | explain hp-java | HP's Java viewer
+0 | explain rtiviewer | shows files of version 1.1, in the format LRGB",
+    );
+}
+
+#[test]
 fn a_page_shows_totals_thumbnails_and_findings() {
     let here = Workspace::new();
     write_collection(&here, "files", 8);
     here.write("files/<b>&.ptm", b"PTM_1.2\n");
     here.write("files/photo.jpg", b"");
-    let page = printed(&here, "lint -rq --format html files");
-    assert_eq!(page.matches("<article>").count(), 9);
+    let output = here
+        .command("lint -rq --format html files")
+        .env("SOURCE_DATE_EPOCH", "86400")
+        .output();
+    let page = String::from_utf8(output.expect("the program starts").stdout).expect("UTF-8");
+    let version = env!("CARGO_PKG_VERSION");
+    assert!(page.contains("<h1>PTM files in files</h1>"));
+    assert!(page.contains(&format!("1970-01-02, ptm-conform {version}")));
+    assert!(page.contains("<article data-status=\"foreign\">"));
+    assert_eq!(page.matches("<article ").count(), 9);
     assert_eq!(page.matches("data:image/png;base64,").count(), 4);
     assert!(page.contains("9 files; 1 in folders that are not PTM files were not checked"));
     assert!(page.contains("files/&lt;b&gt;&amp;.ptm") && !page.contains("<b>&"));
