@@ -108,7 +108,7 @@ fn undamaged_payloads_are_not_reported() {
         assert!(!is_found(&file, "PTM-I207"));
     }
     // Padding to a multiple of a block size, and a few bytes above 127 before a text.
-    let padded = [&overwritten_file(0..0)[..], &[0; 200_000]].concat();
+    let padded = [&overwritten_file(0..0)[..], &vec![0; 200_000]].concat();
     assert!(!is_found(&padded, "PTM-E072") && is_found(&padded, "PTM-W110"));
     let mut file = uniform_file("2x2", 1, [0xc3, 0xa9, 1, 1, 1, 1], [1; 3]);
     assert!(!is_found(&file, "PTM-E071"));
