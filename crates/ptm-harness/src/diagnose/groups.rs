@@ -99,9 +99,9 @@ fn join_unknown_messages(witnesses: &[Witness], by_message: &mut BTreeMap<String
     let first = modes.next();
     if by_message.len() == 2 && modes.all(|mode| Some(mode) == first) {
         let unknown = by_message.remove("").unwrap_or_default();
-        by_message
-            .values_mut()
-            .for_each(|cases| cases.extend(&unknown));
+        for cases in by_message.values_mut() {
+            cases.extend(&unknown);
+        }
     }
 }
 
