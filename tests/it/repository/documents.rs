@@ -138,3 +138,30 @@ fn links_lead_to_files_in_the_packed_crates() {
     }
     assert!(links > 10, "{links} links");
 }
+
+#[test]
+fn the_index_of_findings_has_the_head_of_each_script() {
+    let index = repository_text("findings/README.md");
+    let entries = fs::read_dir(root().join("findings")).expect("findings");
+    let names = entries.map(|entry| entry.expect("an entry").file_name().into_string());
+    let mut findings = 0;
+    for name in names.map(|name| name.expect("UTF-8")) {
+        if !name.ends_with(".sh") || name == "tools.sh" {
+            continue;
+        }
+        let script = repository_text(&format!("findings/{name}"));
+        for field in ["finding", "software", "expected", "observed"] {
+            let field = format!("# {field}: ");
+            let mut values = script.lines().filter_map(|line| line.strip_prefix(&*field));
+            let value = values
+                .next()
+                .unwrap_or_else(|| panic!("{name}: no line {field:?}"));
+            assert!(
+                index.contains(value),
+                "{name}: run findings/index.py ({value})"
+            );
+        }
+        findings += 1;
+    }
+    assert!(findings > 0);
+}
