@@ -146,7 +146,10 @@ fn the_index_of_findings_has_the_head_of_each_script() {
     let names = entries.map(|entry| entry.expect("an entry").file_name().into_string());
     let mut findings = 0;
     for name in names.map(|name| name.expect("UTF-8")) {
-        if !name.ends_with(".sh") || name == "tools.sh" {
+        let is_script = Path::new(&name)
+            .extension()
+            .is_some_and(|suffix| suffix == "sh");
+        if !is_script || name == "tools.sh" {
             continue;
         }
         let script = repository_text(&format!("findings/{name}"));
