@@ -179,6 +179,14 @@ impl<'a> Search<'a> {
             if left.is_empty() || self.is_budget_spent() {
                 break;
             }
+            if let ([member], 0) = (&members[..], edit_passes) {
+                edit_passes += 1;
+                add_candidates(self, &Vec::new(), &left);
+                if let Some(better) = self.better_single_mistake(member.id) {
+                    members = vec![better];
+                    continue;
+                }
+            }
             let mut single = self.best_single_mistake(&set, &left);
             let share_of = |single: &Option<Member>, is_enough: fn(usize, usize) -> bool| {
                 single.as_ref().is_some_and(|member| {
@@ -212,6 +220,15 @@ impl<'a> Search<'a> {
         }
         self.lift_restrictions(&mut members);
         members
+    }
+
+    /// Returns a mistake that alone reproduces more failures than `id`, which was chosen before the edits were tried.
+    fn better_single_mistake(&self, id: MistakeId) -> Option<Member> {
+        let none = Vec::new();
+        let all = self.unexplained(&none);
+        let better = self.best_single_mistake(&none, &all)?;
+        let is_better = self.gain(&none, &[better.id], &all) > self.gain(&none, &[id], &all);
+        is_better.then_some(better)
     }
 
     /// Replaces misreadings that are restricted to some formats by the whole misreading, unless a response contradicts it. Another

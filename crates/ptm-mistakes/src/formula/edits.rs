@@ -187,10 +187,19 @@ fn replace_operators(node: &Expression, _: Scope) -> Vec<Expression> {
         Expression::Product(factors) => split_product(factors),
         Expression::Quotient(over, under) => {
             let both = [over, under].map(|part| (**part).clone());
-            vec![
+            let mut all = vec![
                 Expression::Product(both.to_vec()),
                 Expression::Quotient(under.clone(), over.clone()),
-            ]
+            ];
+            // The last product of a * b / c becomes a sum.
+            if let Expression::Product(factors) = &**over
+                && let [first @ .., last] = &factors[..]
+            {
+                let quotient = Expression::Quotient(Box::new(last.clone()), under.clone());
+                let product = single_or_node(first.to_vec(), Expression::Product);
+                all.push(Expression::Sum(vec![product, quotient]));
+            }
+            all
         }
         Expression::Call(outer, arguments) => {
             let family = CONFUSED_FUNCTIONS
