@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# finding: imageio without an OpenEXR plugin reads an OpenEXR file as a film of one-pixel frames in the format SPE, with a warning only.
+# finding: imageio without an OpenEXR plugin reads an OpenEXR file as a film of one-pixel frames in the format SPE.
 # software: numpy 2.4.6, Pillow 13.0.0, imageio 2.38.1, OpenEXR 3.5.3
 # expected: an error, because no installed plugin reads OpenEXR.
 # observed: written: 200 x 200

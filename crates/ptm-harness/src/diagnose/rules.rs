@@ -32,10 +32,9 @@ pub(super) fn contradicts(without: Effect, with: Effect) -> bool {
 /// files would.*
 ///
 /// It must reproduce at least [`MIN_SUPPORT`] images, and nearly all images that it changes of the first view in which it changes
-/// any. If it is restricted to
-/// some formats, it must reproduce most of the wrong images in the same views of all formats; otherwise, it may fit what another
-/// mistake left over. `images` are the wrong images that `set` does not reproduce, and `explained` those of them that the mistake
-/// reproduces.
+/// any. If it is restricted to some formats, it must reproduce most of the wrong images in the same views of all formats; otherwise,
+/// it may fit what another mistake left over. `images` are the wrong images that `set` does not reproduce, and `explained` those of
+/// them that the mistake reproduces.
 pub(super) fn explains_more_than_a_description(
     search: &Search,
     set: &MistakeSet,

@@ -328,25 +328,25 @@ const PLACES: [Place; 6] = [
 
 /// Returns text such as ", only in the bottom row" if all wrong values are there, in at least some images with other texels.
 fn texel_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
-    let pairs = cases.iter().map(|&w| image_pair(search, set, w));
-    let Some(pairs) = pairs.collect::<Option<Vec<ImagePair>>>() else {
-        return String::new();
-    };
-    let is_large = |pair: &&ImagePair| pair.width > 1 && pair.height > 1;
-    if pairs.iter().filter(is_large).count() < MIN_SUPPORT {
-        return String::new();
+    let (mut places, mut large_images) = (PLACES.to_vec(), 0);
+    for &w in cases {
+        let Some(pair) = image_pair(search, set, w) else {
+            return String::new();
+        };
+        for texel in pair.wrong_samples().into_iter().map(|i| i / pair.channels) {
+            let (x, y) = (texel % pair.width, texel / pair.width);
+            places.retain(|place| place.1([x, y, pair.width, pair.height]));
+        }
+        // Most images show at once that all places are excluded.
+        if places.is_empty() {
+            return String::new();
+        }
+        large_images += usize::from(pair.width > 1 && pair.height > 1);
     }
-    let are_all_there = |place: &&Place| {
-        pairs.iter().all(|pair| {
-            let mut wrong = pair.wrong_samples().into_iter().map(|i| i / pair.channels);
-            wrong.all(|texel| {
-                let (x, y) = (texel % pair.width, texel / pair.width);
-                place.1([x, y, pair.width, pair.height])
-            })
-        })
-    };
-    let place = PLACES.iter().find(are_all_there);
-    place.map_or_else(String::new, |(name, _)| format!(", only {name}"))
+    match places.first() {
+        Some((name, _)) if large_images >= MIN_SUPPORT => format!(", only {name}"),
+        _ => String::new(),
+    }
 }
 
 /// Describes the first wrong sample in a file that the mistakes in `set` do not explain: its received and expected values, the
