@@ -32,7 +32,7 @@ mod indices;
 mod compressed;
 
 /// §2.9.2–2.9.5 Transforms, Motion Vectors, Order, Reference Planes
-mod predict;
+pub mod predict;
 
 /// §2.9.8 Compressed Coefficient Planes
 pub mod planes;

@@ -33,6 +33,7 @@ pub fn sample(recipe: &Recipe, texel: usize, channel: usize) -> u8 {
         Scene::LuminanceIsCr => noise,
         Scene::Framed(value) if x.min(y) < 2 || x + 2 >= width || y + 2 >= height => value,
         Scene::Framed(_) => noise,
+        Scene::Bits(bits) => noise & (0xff >> (8 - bits)),
         Scene::Soft => 96 + noise % 64,
         // x + y is constant along a line, because y runs downward here.
         Scene::Diagonals => hash(recipe.seed, (x + y) % 4, channel) as u8,

@@ -45,6 +45,8 @@ pub struct Stream {
     pub jpeg: JpegOptions,
     /// JPEG: true to write a JFIF segment, which the standard does not require.
     pub jfif: bool,
+    /// JPEG-LS: number of bits per sample, 2 … 8.
+    pub precision: u8,
     /// JPEG-LS: preset parameters.
     pub presets: Option<PresetParameters>,
     /// The component id in the headers of the stream.
@@ -58,6 +60,7 @@ impl Stream {
     pub const DEFAULT: Stream = Stream {
         jpeg: JpegOptions::new(75),
         jfif: true,
+        precision: 8,
         presets: None,
         component: 1,
         moves_frame_header: false,

@@ -257,6 +257,7 @@ fn run_codec(recipe: &Recipe, plane: usize, residual: &[u8]) -> EncodedImage {
             height,
             &jpeg_ls::JpegLsOptions {
                 near: plan.parameter,
+                precision: stream.precision,
                 presets: stream.presets,
             },
         ),

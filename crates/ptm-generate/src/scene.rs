@@ -23,6 +23,8 @@ pub enum Scene {
     LuminanceIsCr,
     /// An independent pseudo-random byte from 96 to 159 for every sample, far from both ends of the range.
     Soft,
+    /// An independent pseudo-random value of this many bits, 1 … 8, for every sample.
+    Bits(u8),
     /// Like `Noise`, but with a border of this constant value, two texels wide.
     Framed(u8),
     /// One value along every diagonal from the bottom left to the top right. Successive diagonals cycle through four values.
@@ -48,7 +50,7 @@ pub enum Scene {
 impl FromStr for Scene {
     type Err = Error;
 
-    /// Parses the name of a variant in kebab case. `flat` and `framed` are followed by a value: `flat-200`, `framed-128`.
+    /// Parses the name of a variant in kebab case. `flat`, `framed` and `bits` are followed by a number: `flat-200`.
     fn from_str(name: &str) -> Result<Scene> {
         Ok(match name {
             "noise" => Scene::Noise,
@@ -70,7 +72,13 @@ impl FromStr for Scene {
             _ => {
                 let value = |prefix| name.strip_prefix(prefix)?.parse().ok();
                 let flat = value("flat-").map(Scene::Flat);
-                let scene = flat.or_else(|| value("framed-").map(Scene::Framed));
+                let framed = || value("framed-").map(Scene::Framed);
+                let bits = || {
+                    value("bits-")
+                        .filter(|bits| (1..=8).contains(bits))
+                        .map(Scene::Bits)
+                };
+                let scene = flat.or_else(framed).or_else(bits);
                 scene.ok_or_else(|| Error::unknown("scene", name))?
             }
         })

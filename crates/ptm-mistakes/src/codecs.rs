@@ -171,6 +171,17 @@ pub const CHANGES: Changes = |slug| {
         "restart-interval-kept" => {
             |r| r.reconstruct = |coded, _, reading| decode_reusing_segments(coded, reading, 0xDD)
         }
+        "samples-scaled-to-8-bits" => |r| {
+            r.stream = |plane| {
+                let mut samples = planes::decode_stream(plane)?;
+                if let Some((_, [bits @ 2..=7, ..])) =
+                    segments(plane.bytes).find(|&(code, _)| code == 0xF7)
+                {
+                    samples.iter_mut().for_each(|sample| *sample <<= 8 - bits);
+                }
+                Ok(samples)
+            };
+        },
         "presets-refused" => {
             |r| r.stream = |plane| decode_unless(has_marker(plane.bytes, 0xF8), plane)
         }

@@ -155,6 +155,7 @@ fn set_stream(stream: &mut Stream, name: &str, text: &str) -> Result<()> {
         "jfif" => stream.jfif = flag(name, text)?,
         "component" => stream.component = number(name, text)?,
         "frame_moved" => stream.moves_frame_header = flag(name, text)?,
+        "precision" => stream.precision = number(name, text)?,
         "presets" => {
             let [maxval, t1, t2, t3, reset] = numbers(name, text)?[..] else {
                 return Error::invalid("expected presets in the form MAXVAL T1 T2 T3 RESET");

@@ -56,7 +56,11 @@ fn jpeg_ls_streams() -> Streams {
                 reset,
                 ..Default::default()
             });
-            let options = jpeg_ls::JpegLsOptions { near, presets };
+            let options = jpeg_ls::JpegLsOptions {
+                near,
+                precision: 8,
+                presets,
+            };
             let samples = image(width, height, &mut rng);
             let encoded = jpeg_ls::encode(&samples, width, height, &options);
             streams.push((encoded.stream, width, height));

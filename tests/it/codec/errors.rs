@@ -219,9 +219,11 @@ SOI SOF SOS DATA FF DC | byte 26: a height defined by DNL is not implemented
 SOI FF F7 00 0B 08 00 01 00 05 01 01 11 00 | byte 7: expected 4 x 1 samples, found 5 x 1
 SOI FF F7 00 0B 08 00 01 00 04 03 01 11 00 | byte 11: expected one component, found 3
 SOI FF F7 00 0B 01 00 01 00 04 01 01 11 00 | byte 6: 1-bit samples are not allowed
+SOI FF F7 00 0B 09 00 01 00 04 01 01 11 00 | byte 6: 9-bit samples are not implemented
 SOI FF F7 00 0B 0C 00 01 00 04 01 01 11 00 | byte 6: 12-bit samples are not implemented
 SOI FF F7 00 0B 08 00 00 00 04 01 01 11 00 | byte 7: a height defined by DNL is not implemented
 SOI SOF LSE 01 00 00*8 SOS | byte 20: MAXVAL 256 does not fit in 8 bits
+SOI FF F7 00 0B 07 00 01 00 04 01 01 11 00 LSE 00 80 00*8 SOS | byte 20: MAXVAL 128 does not fit in 7 bits
 SOI SOF LSE 00 FF 01 00 00*6 SOS | byte 22: T1 must be from 1 to 255, found 256
 SOI SOF LSE 00 FF 00 05 00 04 00*4 SOS | byte 24: T2 must be from 5 to 255, found 4
 SOI SOF LSE 00 FF 00*4 00 03 00 00 SOS | byte 26: T3 must be from 7 to 255, found 3

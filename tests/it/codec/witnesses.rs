@@ -116,19 +116,13 @@ fn jpeg_options(parameters: &str) -> jpeg::JpegOptions {
 fn jpeg_ls_options(parameters: &str) -> jpeg_ls::JpegLsOptions {
     let mut options = jpeg_ls::JpegLsOptions {
         near: 0,
+        precision: 8,
         presets: None,
     };
     for parameter in parameters.split(',') {
         match parameter.split_once('=') {
             Some(("near", near)) => options.near = near.parse().expect(parameters),
-            // Samples with fewer bits, with the default thresholds for their MAXVAL.
-            Some(("bits", bits)) => {
-                let bits: u32 = bits.parse().expect(parameters);
-                options.presets = Some(PresetParameters {
-                    maxval: (1 << bits) - 1,
-                    ..PresetParameters::default()
-                });
-            }
+            Some(("bits", bits)) => options.precision = bits.parse().expect(parameters),
             Some(("presets", values)) => {
                 let values = values.split(':');
                 let values: Vec<u16> = values
@@ -194,10 +188,8 @@ fn jpeg_ls_scans_and_samples_equal_those_of_charls() {
     for witness in &witnesses {
         let options = jpeg_ls_options(witness.parameters);
         let mut originals = paint(witness);
-        if let Some(PresetParameters { maxval, t1: 0, .. }) = options.presets {
-            for sample in &mut originals {
-                *sample >>= maxval.leading_zeros() - 8;
-            }
+        for sample in &mut originals {
+            *sample >>= 8 - options.precision;
         }
         let encoded = jpeg_ls::encode(&originals, witness.width, witness.height, &options);
         let decoded =

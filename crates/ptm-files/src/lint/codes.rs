@@ -89,6 +89,7 @@ pub enum Problem {
     StreamTrailing,
     StreamMaxval,
     StreamTables16,
+    StreamPrecision,
     OtherTransform,
     SpaceBeforeNewline,
     ScaleZero,

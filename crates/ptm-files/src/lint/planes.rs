@@ -165,6 +165,7 @@ fn segment_problem(coding: Coding, segment: &Segment) -> Option<Problem> {
             Some(Problem::StreamTables16)
         }
         (SegmentKind::Trailing, _) => Some(Problem::StreamTrailing),
+        (SegmentKind::Marker(0xf7), [_, _, _, _, 2..=7, ..]) => Some(Problem::StreamPrecision),
         // LSE of type 1 with MAXVAL below 255. The value 0 means the default (T.87 C.2.4.1.1).
         (SegmentKind::Marker(0xf8), [_, _, _, _, 1, 0, 1..=254, ..]) => Some(Problem::StreamMaxval),
         _ => None,

@@ -188,7 +188,10 @@ pub fn jpeg_ls_round_trip(bytes: &[u8]) {
     let Ok((width, height, options)) = jpeg_ls_options(u) else {
         return;
     };
-    let samples = samples_from_bytes(width, height, u);
+    let mut samples = samples_from_bytes(width, height, u);
+    for sample in &mut samples {
+        *sample >>= 8 - options.precision;
+    }
     let encoded = jpeg_ls::encode(&samples, width, height, &options);
     let decoded = jpeg_ls::decode(&encoded.stream, width, height).expect("the stream is legal");
     assert_eq!(decoded, encoded.samples);
@@ -215,22 +218,30 @@ fn jpeg_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg::JpegOptions)> {
 }
 
 fn jpeg_ls_options(u: &mut Unstructured) -> Result<(u32, u32, jpeg_ls::JpegLsOptions)> {
-    let (mut near, mut presets) = (0, None);
+    let (mut near, mut precision, mut presets) = (0, 8, None);
     if u.arbitrary()? {
-        near = u.int_in_range(1..=20)?;
+        precision = u.int_in_range(2..=8)?;
+    }
+    let maxval = (1 << precision) - 1;
+    if u.arbitrary()? {
+        near = u.int_in_range(1..=20.min(maxval / 2))?;
     }
     if u.arbitrary()? {
-        let t1 = u.int_in_range(u16::from(near) + 1..=255)?;
-        let t2 = u.int_in_range(t1..=255)?;
+        let t1 = u.int_in_range(near + 1..=maxval)?;
+        let t2 = u.int_in_range(t1..=maxval)?;
         presets = Some(jpeg_ls::PresetParameters {
-            maxval: 255,
+            maxval,
             t1,
             t2,
-            t3: u.int_in_range(t2..=255)?,
+            t3: u.int_in_range(t2..=maxval)?,
             reset: u.int_in_range(3..=255)?,
         });
     }
-    let options = jpeg_ls::JpegLsOptions { near, presets };
+    let options = jpeg_ls::JpegLsOptions {
+        near: near as u8,
+        precision,
+        presets,
+    };
     Ok((u.int_in_range(1..=60)?, u.int_in_range(1..=40)?, options))
 }
 

@@ -19,11 +19,15 @@
 //! - The three parameters of a scan depend on the standard. In T.81, they are the start and end of the spectral
 //!   selection and the successive approximation. In T.87, they are NEAR, the interleave mode and the point transform.
 
+use std::ops::RangeInclusive;
+
 use super::markers::Cursor;
 use super::stream_error::{StreamResult, malformed, unsupported};
 
 /// Frame header (T.81 B.2.2), without the values that are fixed for a plane.
 pub(super) struct FrameHeader {
+    /// Number of bits per sample.
+    pub precision: u8,
     /// Component id, which the scan header must repeat.
     component: u8,
     /// Index of the quantization table (T.81 only).
@@ -31,17 +35,18 @@ pub(super) struct FrameHeader {
 }
 
 impl FrameHeader {
-    /// Reads a frame header. The frame must have `width` × `height` samples, one component and 8 bits per sample.
+    /// Reads a frame header. The frame must have `width` × `height` samples, one component and a precision in `precisions`.
     ///
-    /// `other_precisions` lists the precisions that the standard allows but this decoder does not implement.
+    /// `other_precisions` are those that the standard allows but this decoder does not implement.
     pub fn read(
         stream: &mut Cursor,
         width: u32,
         height: u32,
-        other_precisions: &[u8],
+        precisions: RangeInclusive<u8>,
+        other_precisions: RangeInclusive<u8>,
     ) -> StreamResult<FrameHeader> {
         let mut header = stream.read_segment("the frame header")?;
-        expect_8_bits(&mut header, other_precisions)?;
+        let precision = read_precision(&mut header, &precisions, &other_precisions)?;
         expect_size(&mut header, width, height)?;
         expect_one_component(&mut header)?;
         let component = header.read_byte("the component id")?;
@@ -49,16 +54,21 @@ impl FrameHeader {
         let quantization_table = header.read_byte("the quantization table of the component")?;
         header.expect_end()?;
         Ok(FrameHeader {
+            precision,
             component,
             quantization_table,
         })
     }
 }
 
-fn expect_8_bits(header: &mut Cursor, other_precisions: &[u8]) -> StreamResult<()> {
+fn read_precision(
+    header: &mut Cursor,
+    precisions: &RangeInclusive<u8>,
+    other_precisions: &RangeInclusive<u8>,
+) -> StreamResult<u8> {
     let at = header.at;
     match header.read_byte("the sample precision")? {
-        8 => Ok(()),
+        bits if precisions.contains(&bits) => Ok(bits),
         bits if other_precisions.contains(&bits) => Err(unsupported(
             at,
             format!("{bits}-bit samples are not implemented"),

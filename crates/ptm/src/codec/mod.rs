@@ -79,8 +79,11 @@ impl Coding {
                 jpeg::encode(samples, width, height, &options)
             }
             Coding::JpegLs => {
-                let (near, presets) = (level.min(127), None);
-                let options = jpeg_ls::JpegLsOptions { near, presets };
+                let options = jpeg_ls::JpegLsOptions {
+                    near: level.min(127),
+                    precision: 8,
+                    presets: None,
+                };
                 jpeg_ls::encode(samples, width, height, &options)
             }
         };

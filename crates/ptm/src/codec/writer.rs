@@ -48,10 +48,17 @@ impl Writer {
         self.stream.extend([0xFF, code]);
     }
 
-    /// Writes a frame header (B.2.2): 8 bits, height before width, and one component with id 1. `component` contains
+    /// Writes a frame header (B.2.2): precision, height before width, and one component with id 1. `component` contains
     /// its sampling factors and the index of its quantization table.
-    pub fn write_frame_header(&mut self, code: u8, width: u32, height: u32, component: [u8; 2]) {
-        let mut content = vec![8];
+    pub fn write_frame_header(
+        &mut self,
+        code: u8,
+        precision: u8,
+        width: u32,
+        height: u32,
+        component: [u8; 2],
+    ) {
+        let mut content = vec![precision];
         content.extend((height as u16).to_be_bytes());
         content.extend((width as u16).to_be_bytes());
         content.extend([1, 1]);

@@ -30,7 +30,7 @@ pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
     let mut tables = Tables::default();
     tables.read_until(&mut stream, &[SOF0, SOF1], "a frame header")?;
-    let frame = FrameHeader::read(&mut stream, width, height, &[12])?;
+    let frame = FrameHeader::read(&mut stream, width, height, 8..=8, 12..=12)?;
     tables.read_until(&mut stream, &[SOS], "the scan header")?;
     let scan = ScanHeader::read(&mut stream, &frame)?;
     // The whole spectrum at once and no successive approximation: other values are for progressive frames (Table B.3).

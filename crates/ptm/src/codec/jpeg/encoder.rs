@@ -94,7 +94,7 @@ pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegOptions) ->
     write_quantization(&mut stream, &steps, options);
     let extended = needs_16_bits(&steps) || dc > 1 || ac > 1; // Table B.5
     let sof = if extended { 0xC1 } else { 0xC0 };
-    stream.write_frame_header(sof, width, height, [h << 4 | v, quantization]);
+    stream.write_frame_header(sof, 8, width, height, [h << 4 | v, quantization]);
     write_huffman(&mut stream, &tables, options);
     if options.restart_interval > 0 {
         stream.write_segment(DRI, &options.restart_interval.to_be_bytes());

@@ -104,7 +104,8 @@ mod tests {
     /// Checks the worked example of this module.
     #[test]
     fn context_learns_the_prediction_bias() {
-        let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");
+        let parameters =
+            Parameters::new(8, &PresetParameters::default(), 0, 0, 0).expect("defaults");
         let mut context = fresh_contexts(&parameters)[1];
         let mut states = Vec::new();
         for error in [-3, -2, 0] {

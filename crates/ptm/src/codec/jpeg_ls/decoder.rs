@@ -6,7 +6,7 @@
 //!
 //! Format notes
 //! - Preset parameters may precede either header. The last ones before the scan header apply.
-//! - LSE has thirteen types. Only type 1 applies to an image with one component of 8 bits and no mapping table. T.870
+//! - LSE has thirteen types. Only type 1 applies to an image with one component and no mapping table. T.870
 //!   added types 5 to 13.
 //! - An APP8 segment may name a color space. It is skipped like any other application segment.
 
@@ -23,29 +23,32 @@ const LSE: u8 = 0xF8;
 
 /// Decodes a JPEG-LS stream with one component and `width` × `height` samples. Returns the samples in row order from the top.
 ///
+/// A stream with a precision of P bits, 2 … 8, has samples from 0 to 2^P − 1, which are returned as they are.
+///
 /// # Errors
 /// Returns [`StreamFault::Malformed`](crate::codec::StreamFault) if the stream violates the standard or differs in size or number
-/// of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for other precisions, mapping tables, point
+/// of components, and [`StreamFault::Unsupported`](crate::codec::StreamFault) for more than 8 bits per sample, mapping tables, point
 /// transforms, oversize images and restart intervals.
 pub fn decode(stream: &[u8], width: u32, height: u32) -> StreamResult<Vec<u8>> {
     let mut stream = Cursor::open(stream)?;
     let mut presets = StoredPresets::default();
     presets.read_until(&mut stream, SOF55, "a JPEG-LS frame header")?;
-    let frame = FrameHeader::read(&mut stream, width, height, &OTHER_PRECISIONS)?;
+    let frame = FrameHeader::read(&mut stream, width, height, 2..=8, 9..=16)?;
     presets.read_until(&mut stream, SOS, "the scan header")?;
     let scan = ScanHeader::read(&mut stream, &frame)?;
-    let parameters = read_scan_parameters(&presets, &scan)?;
+    let parameters = read_scan_parameters(&presets, &scan, frame.precision)?;
     // `BitBuffer<7>` is the fast version, and `Bits<7>` the plain one.
     let samples = decode_scan::<BitBuffer<7>>(&mut stream, &parameters, width, height)?;
     presets.read_until(&mut stream, EOI, "the end of the image")?;
     Ok(samples)
 }
 
-/// Sample precisions that the standard allows but this decoder does not implement.
-const OTHER_PRECISIONS: [u8; 14] = [2, 3, 4, 5, 6, 7, 9, 10, 11, 12, 13, 14, 15, 16];
-
 /// Checks the scan header and combines its NEAR with the preset parameters (C.2.3).
-fn read_scan_parameters(presets: &StoredPresets, scan: &ScanHeader) -> StreamResult<Parameters> {
+fn read_scan_parameters(
+    presets: &StoredPresets,
+    scan: &ScanHeader,
+    precision: u8,
+) -> StreamResult<Parameters> {
     let [near, interleave, transform] = scan.parameters;
     if scan.tables != 0 {
         let what = "mapping tables are not implemented";
@@ -59,7 +62,13 @@ fn read_scan_parameters(presets: &StoredPresets, scan: &ScanHeader) -> StreamRes
         let what = "point transforms are not implemented";
         return Err(unsupported(scan.at + 3, what));
     }
-    Parameters::new(&presets.parameters, presets.at, near, scan.at + 1)
+    Parameters::new(
+        precision,
+        &presets.parameters,
+        presets.at,
+        near,
+        scan.at + 1,
+    )
 }
 
 /// Preset coding parameters that apply at the current position in the stream.

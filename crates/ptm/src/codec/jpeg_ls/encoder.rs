@@ -9,6 +9,8 @@ use crate::codec::writer::{EncodedImage, Writer, check_size};
 pub struct JpegLsOptions {
     /// Maximum error of a sample, or 0 for lossless coding.
     pub near: u8,
+    /// Number of bits per sample, 2 … 8.
+    pub precision: u8,
     /// Preset parameters. If absent, no LSE segment is written.
     pub presets: Option<PresetParameters>,
 }
@@ -21,15 +23,21 @@ pub struct JpegLsOptions {
 #[must_use]
 pub fn encode(samples: &[u8], width: u32, height: u32, options: &JpegLsOptions) -> EncodedImage {
     check_size(samples, width, height);
-    let parameters = Parameters::new(&options.presets.unwrap_or_default(), 0, options.near, 0)
-        .unwrap_or_else(|error| panic!("{error}"));
+    let parameters = Parameters::new(
+        options.precision,
+        &options.presets.unwrap_or_default(),
+        0,
+        options.near,
+        0,
+    )
+    .unwrap_or_else(|error| panic!("{error}"));
     let maxval = parameters.maxval;
     if let Some(sample) = samples.iter().find(|&&sample| i32::from(sample) > maxval) {
         panic!("sample {sample} exceeds MAXVAL {maxval}");
     }
 
     let mut stream = Writer::new();
-    stream.write_frame_header(0xF7, width, height, [0x11, 0]);
+    stream.write_frame_header(0xF7, options.precision, width, height, [0x11, 0]);
     if let Some(presets) = options.presets {
         write_presets(&mut stream, presets);
     }

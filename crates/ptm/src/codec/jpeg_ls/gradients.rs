@@ -40,7 +40,8 @@ mod tests {
     /// Checks the worked example of this module.
     #[test]
     fn mirrored_neighborhoods_share_a_context() {
-        let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");
+        let parameters =
+            Parameters::new(8, &PresetParameters::default(), 0, 0, 0).expect("defaults");
         let number = |a, b, c, d| context_number(&parameters, Neighbors { a, b, c, d });
         assert_eq!(number(5, 12, 10, 40), 335);
         assert_eq!(number(255 - 5, 255 - 12, 255 - 10, 255 - 40), -335);

@@ -1,4 +1,4 @@
-//! JPEG-LS: ITU-T T.87 | ISO/IEC 14495-1, lossless and near-lossless, one component of 8 bits
+//! JPEG-LS: ITU-T T.87 | ISO/IEC 14495-1, lossless and near-lossless, one component of at most 8 bits
 //!
 //! Samples are coded one by one, from left to right and from top to bottom. Each sample is predicted from neighbors that are
 //! already known, and the prediction error is written with a limited-length Golomb code. The gradients of the neighborhood select

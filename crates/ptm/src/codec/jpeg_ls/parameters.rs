@@ -1,9 +1,9 @@
 //! T.87 C.2.4.1.1, A.2.1: preset coding parameters, and values derived from them
 //!
-//! An LSE segment may set MAXVAL, the thresholds of the gradients and RESET. NEAR is in the scan header. All other
-//! parameters of a scan are computed from these.
+//! The frame header has the precision P, which determines the default of MAXVAL, 2^P − 1. An LSE segment may set MAXVAL, the
+//! thresholds of the gradients and RESET. NEAR is in the scan header. All other parameters of a scan are computed from these.
 //!
-//! Worked example: parameters for samples of 8 bits.
+//! Worked example: parameters for samples of 8, 8 and 7 bits.
 //!
 //! ```text
 //! MAXVAL NEAR   T1 T2 T3  RESET   RANGE qbpp  bpp  LIMIT
@@ -22,7 +22,7 @@ use crate::codec::stream_error::{StreamResult, malformed};
 /// Preset coding parameters of an LSE segment (C.2.4.1.1). 0 means the default.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Hash)]
 pub struct PresetParameters {
-    /// MAXVAL, the largest sample: 1 … 255.
+    /// MAXVAL, the largest sample: 1 … 2^P − 1 for samples of P bits.
     pub maxval: u16,
     /// T1, the first gradient threshold: NEAR + 1 … MAXVAL.
     pub t1: u16,
@@ -54,17 +54,21 @@ pub(super) struct Parameters {
 }
 
 impl Parameters {
-    /// Fills in defaults and validates the parameters. `presets_at` and `near_at` are offsets in the stream, for error messages.
+    /// Fills in defaults and validates the parameters for samples of `precision` bits, 2 … 8.
+    ///
+    /// `presets_at` and `near_at` are offsets in the stream, for error messages.
     pub fn new(
+        precision: u8,
         presets: &PresetParameters,
         presets_at: usize,
         near: u8,
         near_at: usize,
     ) -> StreamResult<Parameters> {
         let near = i32::from(near);
-        let maxval = value_or_default(presets.maxval, 255);
-        if maxval > 255 {
-            let what = format!("MAXVAL {maxval} does not fit in 8 bits");
+        let largest = (1 << precision) - 1;
+        let maxval = value_or_default(presets.maxval, largest);
+        if maxval > largest {
+            let what = format!("MAXVAL {maxval} does not fit in {precision} bits");
             return Err(malformed(presets_at, what));
         }
         if near > maxval / 2 {
@@ -149,18 +153,19 @@ mod tests {
     /// Checks the worked example of this module, and the smallest MAXVAL.
     #[test]
     fn defaults_follow_from_maxval_and_near() {
-        let all = |maxval, near| {
+        let all = |precision, maxval, near| {
             let presets = PresetParameters {
                 maxval,
                 ..PresetParameters::default()
             };
-            let p = Parameters::new(&presets, 0, near, 0).expect("legal parameters");
+            let p = Parameters::new(precision, &presets, 0, near, 0).expect("legal parameters");
             (p.thresholds, p.reset, p.range, p.qbpp, p.limit)
         };
-        assert_eq!(all(0, 0), ([3, 7, 21], 64, 256, 8, 32));
-        assert_eq!(all(255, 3), ([12, 22, 42], 64, 38, 6, 32));
-        assert_eq!(all(127, 0), ([2, 3, 10], 64, 128, 7, 30));
-        assert_eq!(all(128, 0), ([3, 7, 21], 64, 129, 8, 32));
-        assert_eq!(all(1, 0), ([1, 1, 1], 64, 2, 1, 20));
+        assert_eq!(all(8, 0, 0), ([3, 7, 21], 64, 256, 8, 32));
+        assert_eq!(all(8, 255, 3), ([12, 22, 42], 64, 38, 6, 32));
+        assert_eq!(all(8, 127, 0), ([2, 3, 10], 64, 128, 7, 30));
+        assert_eq!(all(7, 0, 0), all(8, 127, 0));
+        assert_eq!(all(8, 128, 0), ([3, 7, 21], 64, 129, 8, 32));
+        assert_eq!(all(8, 1, 0), ([1, 1, 1], 64, 2, 1, 20));
     }
 }

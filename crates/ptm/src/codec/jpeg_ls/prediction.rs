@@ -65,7 +65,8 @@ mod tests {
         let (a, b, d) = (5, 12, 40);
         assert_eq!(predict(Neighbors { a, b, c: 10, d }), 7);
         assert_eq!(predict(Neighbors { a, b, c: 20, d }), 5);
-        let parameters = Parameters::new(&PresetParameters::default(), 0, 0, 0).expect("defaults");
+        let parameters =
+            Parameters::new(8, &PresetParameters::default(), 0, 0, 0).expect("defaults");
         assert!(parameters.is_reduced(-13) && !parameters.is_reduced(243));
         assert_eq!(parameters.reconstruct(7, -13), 250);
         assert_eq!(parameters.quantize_error(250 - 7), -13);
