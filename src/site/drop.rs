@@ -13,7 +13,6 @@ use sha2::{Digest, Sha256};
 use super::page::{PageContext, SiteFile};
 use crate::report::html::STYLE;
 use ptm::Format;
-use ptm_generate::spelling::Count;
 use ptm_harness::session::lit_scene;
 use ptm_suite::cases::TableSpelling;
 
@@ -76,7 +75,7 @@ fn samples(context: PageContext) -> String {
         let file = &case.build(TableSpelling::default()).file;
         (label.to_owned(), format!("{id}.ptm"), BASE64.encode(file))
     };
-    let ball = BASE64.encode(&lit_scene::file(Format::Lrgb, Count::default()));
+    let ball = BASE64.encode(&lit_scene::SceneFile::all(Format::Lrgb)[0][0].bytes());
     let samples = [
         ("a legal file".to_owned(), "ball.ptm".to_owned(), ball),
         sample("a damaged file", "one-byte-short-lrgb"),

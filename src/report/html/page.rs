@@ -38,11 +38,16 @@ fn page_with(
     let (evidence, scene) = images.unzip();
     let title = format!("{command}: {verdict} — {}", report.suite.short_title());
     let body = html! {
-        (header(texts, report, scene.flatten()))
+        (header(texts, report))
         main {
             @if report.reason.is_some() {
                 (next_steps(report))
-            } @else { (diagnosis(report, groups, &texts.clauses)) }
+            } @else {
+                div.first {
+                    (diagnosis(report, groups, &texts.clauses))
+                    @if let Some(scene) = scene.flatten().filter(|scene| is_telling(scene, report)) { (scene::figure(scene)) }
+                }
+            }
             @if !report.cases.is_empty() {
                 (failures(texts, report, groups, evidence))
                 (clause_map::section(report, &texts.clauses))
@@ -55,7 +60,12 @@ fn page_with(
     complete_page(&title, &body)
 }
 
-fn header(texts: &SuiteTexts, report: &Report, scene: Option<&LitScene>) -> Markup {
+/// Returns true if the scene supports the verdict. A correct image beside failures would contradict it.
+fn is_telling(scene: &LitScene, report: &Report) -> bool {
+    scene.is_visibly_wrong() || report.with_outcome(Outcome::Fail).next().is_none()
+}
+
+fn header(texts: &SuiteTexts, report: &Report) -> Markup {
     html! {
         header.top {
             div.bar {
@@ -76,7 +86,6 @@ fn header(texts: &SuiteTexts, report: &Report, scene: Option<&LitScene>) -> Mark
                 p.remark data-failure[remark.failure] { b { @if remark.failure { "✗ Fails: " } @else { "Note: " } } (remark.message) }
             }
             @if !report.cases.is_empty() { (results(texts, report)) }
-            @if let Some(scene) = scene { (scene::figure(scene)) }
         }
     }
 }

@@ -3,10 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::html::compare::ComparedImages;
-use ptm_harness::session::lit_scene::{LIGHT, LitScene, SIDE};
-
-/// Maximum mean difference between the samples of two images that look the same.
-const MAX_INVISIBLE_DIFFERENCE: f64 = 3.0;
+use ptm_harness::session::lit_scene::{LIGHT, LitScene, SIDE, differ_visibly};
 
 /// Renders the received scene next to the correct one.
 pub(super) fn figure(scene: &LitScene) -> Markup {
@@ -22,7 +19,7 @@ pub(super) fn figure(scene: &LitScene) -> Markup {
         figure.scene {
             (images.markup("this decoder"))
             figcaption {
-                b { (describe_fault(scene)) } " The scene is a ball that is lit from the upper left, in " (scene.format.short_name())
+                b { (describe_fault(scene)) } " The scene is a ball that is lit from the upper left, in " (scene.file.name())
                 ", requested as " code { (scene.view) } ". The scene is for illustration and is not judged."
             }
         }
@@ -34,7 +31,6 @@ const LAST_INDEX: usize = SIDE as usize - 1;
 
 /// Common transforms of the image, each with the source of every column, row and channel, and a description.
 const IMAGE_TRANSFORMS: &str = "\
-x y rgb: This decoder shows the scene almost correctly.
 x -y rgb: The image is upside down.
 -x y rgb: The image is mirrored.
 -x -y rgb: The image is rotated by 180°.
@@ -55,7 +51,7 @@ u -v: The image is lit from below, so v points down.
 /// Describes the visible mistake in the received image.
 fn describe_fault(scene: &LitScene) -> &'static str {
     let (right, received) = (&scene.correct, &scene.received);
-    if right == received {
+    if !scene.is_visibly_wrong() {
         return "This decoder shows the scene correctly.";
     }
     let side = SIDE as usize;
@@ -80,9 +76,7 @@ fn describe_fault(scene: &LitScene) -> &'static str {
             2 => scene.render(sign(words[0]) * LIGHT.0, sign(words[1]) * LIGHT.1),
             _ => (0..right.len()).map(byte).collect(),
         };
-        let pairs = image.iter().zip(received);
-        let sum: u32 = pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
-        if f64::from(sum) / (image.len() as f64) < MAX_INVISIBLE_DIFFERENCE {
+        if !differ_visibly(&image, received) {
             return says;
         }
     }
@@ -98,6 +92,7 @@ fn describe_fault(scene: &LitScene) -> &'static str {
 mod tests {
     use super::*;
     use ptm::Format;
+    use ptm_harness::session::lit_scene::SceneFile;
     use ptm_suite::protocol::frame::ViewKind;
 
     #[test]
@@ -123,7 +118,7 @@ mod tests {
         for format in [Format::Lrgb, Format::Lum, Format::PtmCLut, Format::JpegRgb] {
             for (says, change) in changes {
                 let mut scene = LitScene {
-                    format,
+                    file: SceneFile::all(format)[0][0],
                     view: ViewKind::Rgb,
                     correct: Vec::new(),
                     received: Vec::new(),

@@ -27,7 +27,7 @@ try {
   await until("the module", `return ${status}.startsWith("Ready")`);
 
   await drop(0);
-  await until("the map", `return ${status}.includes("PTM_FORMAT_LRGB, 64 × 64")`);
+  await until("the map", `return ${status}.includes("PTM_FORMAT_LRGB, 65 × 65")`);
   const before = await pixels();
   await run(`
     const ball = document.getElementById("ball"), box = ball.getBoundingClientRect();

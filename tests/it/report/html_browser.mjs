@@ -176,7 +176,7 @@ try {
   await drag(".scene .slide", [0.5, 0.5], [0.2, 0.5]);
   const moved = Number.parseFloat(await divider());
   assert.ok(moved > 15 && moved < 25, `the divider is at ${moved} percent`);
-  assert.match(await run("return document.querySelector('.scene figcaption').textContent"), /^It is |^This decoder /);
+  assert.match(await run("return document.querySelector('.scene figcaption').textContent"), /^The image is |^Red and |^Rows and |^This decoder /);
   await run("document.querySelector('details.case button.copy').click()");
   await until("copied", "return /^Copied|^Selected/.test(document.querySelector('details.case button.copy').textContent)");
   assert.match(await run("return document.querySelector('details.case pre.command').textContent"), /^ptm-conform check --case \S+ -- decoder/);

@@ -6,8 +6,7 @@ use std::path::Path;
 use crate::common::repository;
 use ptm::Format;
 use ptm::Reading;
-use ptm_generate::spelling::Count;
-use ptm_harness::session::lit_scene::{SIDE, file, frame_to_image};
+use ptm_harness::session::lit_scene::{LIGHT, SIDE, SceneFile, frame_to_image};
 use ptm_mistakes::Misreading;
 use ptm_suite::protocol::frame::{Answer, View};
 
@@ -28,8 +27,10 @@ const GAP_PIXELS: usize = 8;
 
 #[test]
 fn readme_image_is_up_to_date() {
-    let file = file(Format::Lrgb, Count::default());
-    let view: View = "rgb:-0.5,0.5".parse().expect("a view");
+    let file = SceneFile::all(Format::Lrgb)[0][0].bytes();
+    let view: View = format!("rgb:{},{}", LIGHT.0, LIGHT.1)
+        .parse()
+        .expect("a view");
     let scenes = MISTAKES.map(|slug| {
         let mistakes: Vec<&Misreading> = slug.map(misreading).into_iter().collect();
         let answer = ptm_mistakes::answer(&mistakes, Reading::SPEC, &file, &view);

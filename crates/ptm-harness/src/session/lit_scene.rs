@@ -1,5 +1,8 @@
-//! A recognizable map as the decoder displays it: a checkered ball, lit from the upper left, with a red corner at the top left
-//! and other colors in the other corners. It is requested for the HTML report and never judged.
+//! A recognizable map as the decoder displays it: a glossy checkered ball, lit from the upper left, with a red corner at the top
+//! left and other colors in the other corners. It is requested for the HTML report and never judged.
+//!
+//! Every coefficient is visible in it: the gloss makes a0, a1 and a2 differ, and the light has u·v ≠ 0 and u² ≠ v². Each
+//! coefficient has its own scale and bias.
 
 use std::collections::BTreeSet;
 
@@ -7,22 +10,24 @@ use crate::session::asking::DecoderFn;
 use ptm::decode::decode;
 use ptm::evaluate::{Coefficients, polynomial};
 use ptm::{Coding, Format, Ptm, Shape, Size};
-use ptm_generate::{Model, Recipe, plan::Residuals, spelling::Count, write};
+use ptm_generate::plan::{Residuals, Structure};
+use ptm_generate::predict::{INVERSION, MOTION};
+use ptm_generate::{Model, Recipe, spelling::Count, write};
 use ptm_suite::features::Feature;
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use ptm_suite::protocol::request::Request;
 use ptm_suite::verdicts::offer::Offer;
 
 /// Width and height in texels.
-pub const SIDE: u32 = 64;
+pub const SIDE: u32 = 65;
 /// The light, from the upper left.
-pub const LIGHT: (f64, f64) = (-0.5, 0.5);
+pub const LIGHT: (f64, f64) = (-0.625, 0.375);
 
 /// Images of the scene under its light: red, green and blue of every texel, top row first.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LitScene {
-    /// The format of the requested file.
-    pub format: Format,
+    /// The requested file.
+    pub file: SceneFile,
     /// The view in which the file was requested.
     pub view: ViewKind,
     /// Correct image.
@@ -31,27 +36,61 @@ pub struct LitScene {
     pub received: Vec<u8>,
 }
 
+/// An encoding of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct SceneFile {
+    /// The format.
+    pub format: Format,
+    /// How the number of table entries is written.
+    pub count: Count,
+    /// True if planes are predicted from inverted and displaced planes. Always false in uncompressed formats.
+    pub is_predicted: bool,
+}
+
+/// Smallest difference of a color, of 255, that is visible.
+const VISIBLE_DIFFERENCE: u8 = 16;
+
+/// Share of the texels that must differ visibly: one in this many.
+const VISIBLE_SHARE: usize = 100;
+
 impl LitScene {
     /// Renders the correct scene under the light (`lu`, `lv`).
     #[must_use]
     pub fn render(&self, lu: f64, lv: f64) -> Vec<u8> {
-        let ptm = decode(&file(self.format, Count::default())).expect("the scene is a legal file");
+        let ptm = decode(&self.file.bytes()).expect("the scene is a legal file");
         ptm.coefficients().evaluate(lu, lv).to_bytes()
+    }
+
+    /// Returns true if the received image is visibly wrong: a color of at least 1 % of the texels is off by at least 16 of 255.
+    #[must_use]
+    pub fn is_visibly_wrong(&self) -> bool {
+        differ_visibly(&self.correct, &self.received)
     }
 }
 
-/// Requests the scene in a supported format and view. Returns `None` if no format or no view is supported, or if the request
-/// fails.
+/// Returns true if a color of at least 1 % of the texels of two images differs by at least 16 of 255.
+#[must_use]
+pub fn differ_visibly(a: &[u8], b: &[u8]) -> bool {
+    let texels = || a.chunks(3).zip(b.chunks(3));
+    let is_visible = |(a, b): &(&[u8], &[u8])| {
+        let mut colors = a.iter().zip(*b);
+        colors.any(|(a, b)| a.abs_diff(*b) >= VISIBLE_DIFFERENCE)
+    };
+    texels().filter(is_visible).count() * VISIBLE_SHARE >= texels().count()
+}
+
+/// Requests the scene in every supported format until it is visibly wrong. Returns the first visibly wrong scene, or the first scene
+/// if none is. Returns `None` if no format or no view is supported, or if every request fails.
 #[must_use]
 pub fn request(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &DecoderFn) -> Option<LitScene> {
     let mut formats = Format::ALL.to_vec();
     formats.retain(|format| decoded.contains(&Feature::Format(*format)));
-    // Prefer formats with the colors of the scene, then lossless ones, then ones without table or compression.
-    let format = formats.into_iter().min_by_key(|&format| {
+    // Formats with the colors of the scene come first, then lossless ones, then ones without table or compression.
+    formats.sort_by_key(|&format| {
         let (is_lum, is_lossy) = (format == Format::Lum, format.coding() == Some(Coding::Jpeg));
         let is_encoded = (format.has_table(), format.coding().is_some());
         (is_lum, is_lossy, is_encoded, format.channels())
-    })?;
+    });
     let mut views = [ViewKind::Rgb, ViewKind::Coef, ViewKind::Raw].into_iter();
     let view = views.find(|view| offer.views.contains(&view.name()))?;
     let asked = match view {
@@ -59,22 +98,34 @@ pub fn request(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &DecoderFn) -> O
         _ => view.name().to_owned(),
     };
     let asked: View = asked.parse().expect("a view");
-    // lut-count: a decoder may support only one spelling of the count.
-    let all = Count::ALL.len();
-    let spellings = if format.has_table() { all } else { 1 };
-    Count::ALL[..spellings].iter().find_map(|&count| {
-        let file = file(format, count);
-        let max_frame_bytes = (SIDE * SIDE) as usize * 18 * 4;
-        let request = Request::new("lit-scene", &asked, &file, max_frame_bytes);
-        let Answer::Decoded(frame) = ask(&request, 0).answer else {
-            return None;
-        };
-        Some(LitScene {
-            format,
-            view,
-            correct: render_scene(&decode(&file).ok()?.coefficients()),
-            received: frame_to_image(&file, &frame)?,
-        })
+    let mut first = None;
+    for format in formats {
+        for files in SceneFile::all(format) {
+            let mut spelled = files.iter();
+            let Some(scene) = spelled.find_map(|&file| request_file(file, &asked, ask)) else {
+                continue;
+            };
+            if scene.is_visibly_wrong() {
+                return Some(scene);
+            }
+            first.get_or_insert(scene);
+        }
+    }
+    first
+}
+
+fn request_file(file: SceneFile, view: &View, ask: &DecoderFn) -> Option<LitScene> {
+    let bytes = file.bytes();
+    let max_frame_bytes = (SIDE * SIDE) as usize * 18 * 4;
+    let request = Request::new("lit-scene", view, &bytes, max_frame_bytes);
+    let Answer::Decoded(frame) = ask(&request, 0).answer else {
+        return None;
+    };
+    Some(LitScene {
+        file,
+        view: view.kind(),
+        correct: render_scene(&decode(&bytes).ok()?.coefficients()),
+        received: frame_to_image(&bytes, &frame)?,
     })
 }
 
@@ -104,36 +155,111 @@ pub fn frame_to_image(file: &[u8], frame: &Frame) -> Option<Vec<u8>> {
     }
 }
 
-/// Encodes the scene as a file; `count` determines how the number of table entries is written.
-#[must_use]
-pub fn file(format: Format, count: Count) -> Vec<u8> {
-    let map = ball(SIDE);
+impl SceneFile {
+    /// Returns the files of a format. Each group contains one encoding, in every spelling that a decoder may choose to support.
+    #[must_use]
+    pub fn all(format: Format) -> Vec<Vec<SceneFile>> {
+        // lut-count: a decoder may support only one spelling of the count.
+        let spellings = if format.has_table() {
+            &Count::ALL[..]
+        } else {
+            &Count::ALL[..1]
+        };
+        let predicted: &[bool] = if format.coding().is_some() {
+            &[false, true]
+        } else {
+            &[false]
+        };
+        let group = |&is_predicted: &bool| {
+            let file = |&count: &Count| SceneFile {
+                format,
+                count,
+                is_predicted,
+            };
+            spellings.iter().map(file).collect()
+        };
+        predicted.iter().map(group).collect()
+    }
+
+    /// Encodes the scene.
+    #[must_use]
+    pub fn bytes(&self) -> Vec<u8> {
+        encode(self)
+    }
+
+    /// Returns the format, and that planes are predicted if they are.
+    #[must_use]
+    pub fn name(&self) -> String {
+        let predicted = if self.is_predicted {
+            " with predicted planes"
+        } else {
+            ""
+        };
+        format!("{}{predicted}", self.format.short_name())
+    }
+}
+
+fn encode(file: &SceneFile) -> Vec<u8> {
+    let (format, map) = (file.format, ball(SIDE));
     let mut recipe = Recipe::default_for(format, map.size);
-    recipe.scale = "2 2 2 2 2 2".parse().expect("numbers");
-    recipe.bias = "128 128 128 128 128 128".parse().expect("numbers");
-    recipe.spelling.count = count;
+    recipe.scale = SCALE
+        .map(|scale| scale.to_string())
+        .join(" ")
+        .parse()
+        .expect("numbers");
+    recipe.bias = BIAS
+        .map(|bias| bias.to_string())
+        .join(" ")
+        .parse()
+        .expect("numbers");
+    recipe.spelling.count = file.count;
     recipe.compression.residuals = Residuals::Natural;
     if format.coding() == Some(Coding::Jpeg) {
         recipe.compression.parameter = 95;
     }
-    recipe.matrix = "1 1 1 0 1 0 0 0 0 0 1 0 0 0 0 1".parse().expect("numbers");
-    let stored = |coefficient: f64| (coefficient / 2.0 + 128.0).round() as u8;
+    if file.is_predicted {
+        let plan = &mut recipe.compression;
+        plan.set_structure(Structure::Upward);
+        // Lossy residuals allow no displacement (motion-half).
+        let transforms = match plan.coding {
+            Coding::Jpeg => [INVERSION, 0, INVERSION],
+            Coding::JpegLs => [INVERSION, MOTION, INVERSION | MOTION],
+        };
+        plan.transforms = plan.cycle(&transforms, false);
+        if plan.coding == Coding::JpegLs {
+            (plan.motion_x, plan.motion_y) =
+                (plan.cycle(&[9, -7], false), plan.cycle(&[-5, 6], false));
+        }
+    }
+    recipe.matrix = "1 1 1 0 0.75 0 0 0 0 0 0.75 0 -30 0 -20 1"
+        .parse()
+        .expect("numbers");
+    let stored = |channel: usize, coefficient: f64| {
+        (coefficient / SCALE[channel] + BIAS[channel]).round() as u8
+    };
     let mut samples: Vec<u8> = Vec::new();
     for texel in map.values.chunks_exact(9) {
         let (coefficients, color) = texel.split_first_chunk::<6>().expect("nine values");
-        let by_channel = |color: &f64| coefficients.map(|a| stored(a * color / 255.0));
+        let by_channel =
+            |color: f64| (0..6).map(move |i| stored(i, coefficients[i] * color / 255.0));
         match format.channels() {
-            18 => samples.extend(color.iter().flat_map(by_channel)),
+            18 => samples.extend(color.iter().flat_map(|&color| by_channel(color))),
             8 => {
                 // The luminance of LUM is the green value under the light of the scene; Cr and Cb are the excess of red and blue
-                // over green. It has fewer colors than other formats, because these differences cannot be negative.
+                // over green, minus the translation of the matrix, divided by its element. LUM has fewer colors than other formats,
+                // because the excess cannot be negative.
                 let light = polynomial(coefficients, LIGHT.0, LIGHT.1).clamp(0.0, 255.0) / 255.0;
-                let tint = |more: f64| (more.max(0.0) * light).round() as u8;
-                samples.extend(by_channel(&color[1]));
-                samples.extend([color[0], color[2]].map(|tinted| tint(tinted - color[1])));
+                let tint = |more: f64, translation: f64| {
+                    ((more.max(0.0) * light - translation) / 0.75).round() as u8
+                };
+                samples.extend(by_channel(color[1]));
+                samples.extend([
+                    tint(color[0] - color[1], -30.0),
+                    tint(color[2] - color[1], -20.0),
+                ]);
             }
             _ => {
-                samples.extend(coefficients.map(stored));
+                samples.extend(by_channel(255.0));
                 samples.extend(color.iter().map(|&color| color as u8));
             }
         }
@@ -142,8 +268,14 @@ pub fn file(format: Format, count: Count) -> Vec<u8> {
     write(&recipe, &model).bytes
 }
 
-/// Returns the coefficients of the scene: four colored corners, and a checkered ball whose luminance is that of a matte surface,
-/// based on the dot product of the normal and the light.
+/// Scales of the coefficients. No two adjacent ones are equal.
+const SCALE: [f64; 6] = [2.0, 2.25, 2.0, 2.5, 2.75, 2.25];
+
+/// Biases of the coefficients.
+const BIAS: [f64; 6] = [140.0, 120.0, 128.0, 125.0, 131.0, 20.0];
+
+/// Returns the coefficients of the scene: four colored corners, and a checkered ball. Its luminance is that of a matte and glossy
+/// surface: a sum of the dot product of the normal and the light, and of the square of this product.
 #[must_use]
 pub fn ball(side: u32) -> Coefficients {
     let place = |at: u32| (f64::from(at) + 0.5) / f64::from(side) * 2.2 - 1.1;
@@ -175,10 +307,24 @@ fn texel(x: f64, y: f64) -> [f64; 9] {
         true => [235.0, 150.0, 90.0],
         false => [120.0, 165.0, 210.0],
     };
-    // The height of the light is √(1 − u² − v²), which is approximately 1 − (u² + v²) / 2.
-    let (curve, height) = (-115.0 * z, 22.0 + 230.0 * z);
-    let (across, up) = (230.0 * x, 230.0 * y);
-    [curve, curve, 0.0, across, up, height, red, green, blue]
+    // The height of the light is √(1 − u² − v²). It is approximately 1 − (u² + v²) / 2 in the dot product, and 1 in the square's
+    // linear terms.
+    const MATTE: f64 = 130.0;
+    const GLOSS: f64 = 180.0;
+    let curve = |along: f64| GLOSS * (along * along - z * z) - MATTE * z / 2.0;
+    let slope = |along: f64| MATTE * along + 2.0 * GLOSS * along * z;
+    let height = 20.0 + MATTE * z + GLOSS * z * z;
+    [
+        curve(x),
+        curve(y),
+        2.0 * GLOSS * x * y,
+        slope(x),
+        slope(y),
+        height,
+        red,
+        green,
+        blue,
+    ]
 }
 
 #[cfg(test)]
@@ -205,7 +351,7 @@ mod tests {
         for format in Format::ALL {
             for view in ViewKind::ALL {
                 let scene = scene(view, format, &reference).expect("a scene");
-                assert_eq!((scene.format, scene.view), (format, view));
+                assert_eq!((scene.file.format, scene.view), (format, view));
                 assert_eq!(scene.correct, scene.received);
                 let pairs = wanted.iter().zip(&scene.correct);
                 let far: u32 = pairs.map(|(a, b)| u32::from(a.abs_diff(*b))).sum();
