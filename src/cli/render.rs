@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use image::{ImageFormat, RgbImage};
+use image::{DynamicImage, ImageFormat, RgbImage};
 
 use super::arguments::parse_pair;
 use super::collection::{WalkItem, walk};
@@ -17,7 +17,7 @@ use ptm_files::render::{encode_image, normals, render_lit, sheet, thumbnail, ups
 /// Render a map under one light or under many lights, render its normals, or render thumbnails of many maps.
 ///
 /// A light is LU,LV, its direction projected onto the image plane: LU to the right, LV up; 0,0 is the zenith. Colors are rounded
-/// to the nearest byte. The suffix of the output selects the format: .png, .ppm, .tiff, .bmp, .webp (lossless), .jpg (quality
+/// to the nearest byte. The suffix of the output selects the format: .png, .ppm, .pgm (gray), .tiff, .bmp, .webp (lossless), .jpg (quality
 /// 95, no chroma subsampling), or .html: a page with a movable light, which needs nothing but a browser.
 ///
 /// With --sheet, several files or a folder become a contact sheet: a thumbnail of each map, lit from the upper left, with the name of
@@ -97,18 +97,33 @@ pub fn run(args: &RenderArgs) -> CommandResult {
         zoom => upscale(&image, zoom.into())?,
     };
     let (output, (width, height)) = (args.output.display(), image.dimensions());
-    files::write_atomically(&args.output, encode_image(&image.into(), format)?)?;
+    files::write_atomically(
+        &args.output,
+        encode_image(&colored(image, &args.output), format)?,
+    )?;
     output::print_note(&format!(
         "{output}: {content}, {width} x {height} pixels{hint}\n"
     ));
     Ok(0)
 }
 
+/// Returns the image, in gray if the output is a PGM file.
+fn colored(image: RgbImage, output: &Path) -> DynamicImage {
+    let is_gray = output
+        .extension()
+        .is_some_and(|suffix| suffix.eq_ignore_ascii_case("pgm"));
+    match is_gray {
+        true => DynamicImage::from(image).to_luma8().into(),
+        false => image.into(),
+    }
+}
+
 /// Returns the format that the suffix of the output selects.
 fn image_format(output: &Path) -> Result<ImageFormat, String> {
     let format = ImageFormat::from_path(output).ok();
     format.filter(ImageFormat::writing_enabled).ok_or_else(|| {
-        let expected = "expected a name that ends in .png, .ppm, .tiff, .bmp, .webp, .jpg or .html";
+        let expected =
+            "expected a name that ends in .png, .ppm, .pgm, .tiff, .bmp, .webp, .jpg or .html";
         files::with_path(output)(expected)
     })
 }
@@ -176,7 +191,7 @@ fn write_contact_sheets(args: &RenderArgs) -> CommandResult {
             1 => args.output.clone(),
             count => numbered(&args.output, number, count),
         };
-        files::write_atomically(&path, encode_image(&image.into(), format)?)?;
+        files::write_atomically(&path, encode_image(&colored(image, &path), format)?)?;
         let (path, count) = (path.display(), cells.len());
         let plural = if count == 1 { "" } else { "s" };
         bar.suspend(|| output::print_note(&format!("{path}: {count} file{plural}\n")));

@@ -6,6 +6,10 @@ use image::codecs::jpeg::JpegEncoder;
 use image::codecs::pnm::{PnmEncoder, PnmSubtype, SampleEncoding};
 use image::{DynamicImage, GenericImageView, ImageFormat, Rgb, RgbImage, imageops};
 
+use tiff::TiffResult;
+use tiff::encoder::{Rational, TiffEncoder};
+use tiff::tags::Tag;
+
 use crate::error::{Error, Result};
 use ptm::evaluate::Coefficients;
 use ptm::{Planes, Ptm, Shape, Size};
@@ -169,15 +173,45 @@ pub fn encode_image(image: &DynamicImage, kind: ImageFormat) -> Result<Vec<u8>> 
     let result = match kind {
         ImageFormat::Pnm => {
             // The default is the newer variant P7, which few programs read.
-            let subtype = PnmSubtype::Pixmap(SampleEncoding::Binary);
+            let subtype = match image {
+                DynamicImage::ImageLuma8(_) => PnmSubtype::Graymap(SampleEncoding::Binary),
+                _ => PnmSubtype::Pixmap(SampleEncoding::Binary),
+            };
             image.write_with_encoder(PnmEncoder::new(&mut out).with_subtype(subtype))
         }
         ImageFormat::Jpeg => {
             image.write_with_encoder(JpegEncoder::new_with_quality(&mut out, JPEG_QUALITY))
         }
+        ImageFormat::Tiff => {
+            return encode_tiff(&image.to_rgb8()).map_err(|error| error.to_string().into());
+        }
         _ => image.write_to(&mut out, kind),
     };
     result.map_err(|error| error.to_string())?;
+    Ok(out.into_inner())
+}
+
+/// Encodes an uncompressed TIFF in one strip. The encoder of the `image` crate would add a predictor, which belongs to compressed
+/// images only; libtiff warns about it.
+fn encode_tiff(image: &RgbImage) -> TiffResult<Vec<u8>> {
+    let mut out = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut out)?;
+    let mut directory = encoder.image_directory()?;
+    let samples = &image.as_raw()[..];
+    let offset = directory.write_data(samples)? as u32;
+    directory.write_tag(Tag::ImageWidth, image.width())?;
+    directory.write_tag(Tag::ImageLength, image.height())?;
+    directory.write_tag(Tag::BitsPerSample, &[8_u16, 8, 8][..])?;
+    directory.write_tag(Tag::Compression, 1_u16)?;
+    directory.write_tag(Tag::PhotometricInterpretation, 2_u16)?;
+    directory.write_tag(Tag::StripOffsets, offset)?;
+    directory.write_tag(Tag::SamplesPerPixel, 3_u16)?;
+    directory.write_tag(Tag::RowsPerStrip, image.height())?;
+    directory.write_tag(Tag::StripByteCounts, samples.len() as u32)?;
+    directory.write_tag(Tag::XResolution, Rational { n: 72, d: 1 })?;
+    directory.write_tag(Tag::YResolution, Rational { n: 72, d: 1 })?;
+    directory.write_tag(Tag::ResolutionUnit, 2_u16)?;
+    directory.finish()?;
     Ok(out.into_inner())
 }
 
@@ -237,6 +271,7 @@ pub fn thin_out(ptm: &Ptm, step: u32) -> Ptm {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use image::{GrayImage, Luma};
 
     /// Polynomials and their normals. The first two have a maximum inside the disc: −(u − 0.3)² − (v + 0.4)² up to a constant,
     /// and −u² − v² + uv + 0.3u with its maximum at (0.2, 0.1). The next four are largest on the rim: two linear polynomials, one
@@ -276,6 +311,11 @@ mod tests {
         use ImageFormat::{Bmp, Jpeg, Png, Tiff, WebP};
         let image = RgbImage::from_pixel(1, 1, Rgb([7; 3])).into();
         let file = |format| encode_image(&image, format).expect("a small image");
+        let gray = encode_image(
+            &GrayImage::from_pixel(1, 1, Luma([9])).into(),
+            ImageFormat::Pnm,
+        );
+        assert_eq!(gray.expect("a small image"), b"P5\n1 1 255\n\x09");
         assert_eq!(file(ImageFormat::Pnm), b"P6\n1 1 255\n\x07\x07\x07");
         for format in [Png, Tiff, Bmp, WebP, Jpeg] {
             let read = image::load_from_memory_with_format(&file(format), format);

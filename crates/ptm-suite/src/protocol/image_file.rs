@@ -11,10 +11,12 @@ use std::io::Cursor;
 use std::panic::catch_unwind;
 
 use image::codecs::pnm::{PnmDecoder, PnmSubtype};
+use image::metadata::Orientation;
 use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits};
 
 use crate::error::{Error, Result};
 use crate::protocol::frame::{Frame, Samples, ViewKind};
+use crate::protocol::tiff_file::Directory;
 use ptm::codec::markers;
 
 /// Largest quantization step of an accepted JPEG: the largest step of libjpeg at quality 95.
@@ -44,19 +46,28 @@ pub(crate) fn read(bytes: &[u8], max_bytes: usize) -> Option<Result<Frame>> {
 
 fn read_as(format: ImageFormat, bytes: &[u8], max_bytes: usize) -> Result<Frame> {
     let to_text = |error: image::ImageError| error.to_string();
+    let directory = (format == ImageFormat::Tiff)
+        .then(|| Directory::read(bytes))
+        .flatten();
+    if let Some(directory) = &directory {
+        directory.check()?;
+    }
+    if let Some(directory) = &directory
+        && directory.has_palette()
+    {
+        return read_palette(directory, bytes, max_bytes);
+    }
     let mut cursor = Cursor::new(bytes);
     let mut reader = ImageReader::with_format(&mut cursor, format);
     let mut limits = Limits::no_limits();
     limits.max_alloc = Some(max_bytes.saturating_add(WORKING_MEMORY) as u64);
     reader.limits(limits);
-    let decoder = reader.into_decoder().map_err(to_text)?;
+    let mut decoder = reader.into_decoder().map_err(to_text)?;
     let (width, height) = decoder.dimensions();
     // Check the size before allocating memory for the texels.
-    if decoder.total_bytes() > max_bytes as u64 {
-        return Error::invalid(format!(
-            "the image has {width} x {height} texels, more than the PTM file"
-        ));
-    }
+    check_size(width, height, decoder.total_bytes(), max_bytes)?;
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    check_orientation(orientation.to_exif())?;
     let color = decoder.color_type();
     if color.bytes_per_pixel() != color.channel_count() {
         let bits = 8 * color.bytes_per_pixel() / color.channel_count();
@@ -74,6 +85,9 @@ fn read_as(format: ImageFormat, bytes: &[u8], max_bytes: usize) -> Result<Frame>
     }
     let image = DynamicImage::from_decoder(decoder).map_err(to_text)?;
     check_end(format, bytes, cursor.position() as usize)?;
+    if let Some(directory) = &directory {
+        directory.check_end(bytes)?;
+    }
     if color.has_alpha() {
         check_opaque(&image)?;
     }
@@ -85,6 +99,46 @@ fn read_as(format: ImageFormat, bytes: &[u8], max_bytes: usize) -> Result<Frame>
         samples: Samples::U8(image.into_rgb8().into_raw()),
         lossy: format == ImageFormat::Jpeg,
     })
+}
+
+/// Decodes a TIFF with a palette, which the `image` crate does not support.
+fn read_palette(directory: &Directory, bytes: &[u8], max_bytes: usize) -> Result<Frame> {
+    let (width, height) = directory.size();
+    check_size(
+        width,
+        height,
+        3 * u64::from(width) * u64::from(height),
+        max_bytes,
+    )?;
+    check_orientation(directory.orientation())?;
+    directory.check_end(bytes)?;
+    Ok(Frame {
+        view: ViewKind::Rgb,
+        width,
+        height,
+        channels: 3,
+        samples: Samples::U8(directory.read_palette(bytes)?),
+        lossy: false,
+    })
+}
+
+fn check_size(width: u32, height: u32, bytes: u64, max_bytes: usize) -> Result<()> {
+    match bytes > max_bytes as u64 {
+        true => Error::invalid(format!(
+            "the image has {width} x {height} texels, more than the PTM file"
+        )),
+        false => Ok(()),
+    }
+}
+
+/// Rejects an image with an orientation tag other than 1, because other programs would show the image differently.
+fn check_orientation(orientation: u8) -> Result<()> {
+    match orientation {
+        1 => Ok(()),
+        other => Error::invalid(format!(
+            "a tag tells viewers to turn or mirror the image (orientation {other}), which is not done here; store the top row first, without the tag"
+        )),
+    }
 }
 
 /// Rejects Netpbm files whose maximum value is not 255, because samples are not scaled.
@@ -159,12 +213,15 @@ fn largest_step(mut tables: &[u8]) -> u16 {
     largest
 }
 
-/// Rejects an image that lacks its end marker or is followed by other bytes. `end` is the position after the samples, where a
-/// Netpbm file ends. The `image` crate checks the formats that declare a length.
+/// Rejects an image that lacks its end marker or is followed by other bytes or images. `end` is the position after the samples,
+/// where a Netpbm file ends. [`Directory`] checks TIFF.
 fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<()> {
     const IEND: &[u8] = b"\0\0\0\0IEND\xae\x42\x60\x82";
     let end = match format {
         ImageFormat::Png => {
+            if bytes.windows(4).any(|name| name == b"acTL") {
+                return Error::invalid("the image is animated; write a single frame");
+            }
             let last = bytes.windows(IEND.len()).position(|bytes| bytes == IEND);
             last.ok_or("the image has no IEND chunk")? + IEND.len()
         }
@@ -178,12 +235,26 @@ fn check_end(format: ImageFormat, bytes: &[u8], end: usize) -> Result<()> {
         ImageFormat::Jpeg if !bytes.ends_with(b"\xff\xd9") => {
             return Error::invalid("the image does not end with the marker FFD9");
         }
+        ImageFormat::Bmp => declared_length(bytes, 2).unwrap_or(bytes.len()),
+        ImageFormat::WebP => {
+            if bytes.windows(4).any(|name| name == b"ANMF") {
+                return Error::invalid("the image is animated; write a single frame");
+            }
+            declared_length(bytes, 4)
+                .map_or(bytes.len(), |length| length.saturating_add(8 + length % 2))
+        }
         _ => bytes.len(),
     };
-    match bytes.len() - end {
+    match bytes.len().saturating_sub(end) {
         0 => Ok(()),
         more => Error::invalid(format!("{more} bytes follow the end marker")),
     }
+}
+
+/// Returns the length that a file declares at an offset, if it is not 0.
+fn declared_length(bytes: &[u8], at: usize) -> Option<usize> {
+    let length = u32::from_le_bytes(*bytes.get(at..)?.first_chunk()?);
+    (length > 0).then_some(length as usize)
 }
 
 /// Rejects an image with alpha other than 255.

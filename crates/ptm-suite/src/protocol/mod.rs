@@ -6,3 +6,4 @@ pub mod frame;
 pub mod image_file;
 pub mod npy;
 pub mod request;
+mod tiff_file;

@@ -27,7 +27,10 @@ pub fn read(bytes: &[u8], view: ViewKind) -> Result<Frame> {
                 "the samples are f32 with the high byte first; save a.astype('<f4')",
             );
         }
-        "<f8" | ">f8" => return Error::invalid("the samples are f64; save a.astype('<f4')"),
+        "<f8" | ">f8" => {
+            let wanted = if view == ViewKind::Coef { "<f4" } else { "u1" };
+            return Error::invalid(format!("the samples are f64; save a.astype('{wanted}')"));
+        }
         other => {
             return Error::invalid(format!(
                 "the type is {other:?}; expected '|u1' for raw and rgb, or '<f4' for coef"
