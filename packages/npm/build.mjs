@@ -1,7 +1,7 @@
 // Builds the npm package: node build.mjs PROGRAM OUT [--module MODULE] [--platform OS-CPU]
 //
 // PROGRAM is ptm-conform, which generates the cases. MODULE is the compiled packages/wasm; without it, the package has no
-// reference decoder. With --platform, such as linux-x64, OUT is instead the package that contains PROGRAM for this platform.
+// reference decoder, and does not export it. With --platform, such as linux-x64, OUT is instead the package that contains PROGRAM for this platform.
 // npm installs the one for the machine, and `check` in Node uses it.
 
 import { execFileSync } from "node:child_process";
@@ -13,6 +13,10 @@ import { fileURLToPath } from "node:url";
 const here = dirname(fileURLToPath(import.meta.url));
 const root = join(here, "..", "..");
 const [program, out, option, argument] = process.argv.slice(2);
+if (!out || (option && !["--module", "--platform"].includes(option)) || (option && !argument)) {
+  console.error("usage: node build.mjs PROGRAM OUT [--module MODULE | --platform OS-CPU]");
+  process.exit(2);
+}
 const version = /^version = "(.*)"$/m.exec(readFileSync(join(root, "Cargo.toml"), "utf8"))[1];
 const platforms = ["linux-x64", "linux-arm64", "darwin-x64", "darwin-arm64"];
 const common = {
@@ -79,8 +83,10 @@ if (option === "--platform") {
     exports: {
       ".": { types: "./index.d.ts", default: "./index.mjs" },
       "./node": { types: "./node.d.ts", default: "./node.mjs" },
-      "./reference": { types: "./reference.d.ts", default: "./reference.mjs" },
-      "./reference.wasm": "./reference.wasm",
+      ...(option === "--module" && {
+        "./reference": { types: "./reference.d.ts", default: "./reference.mjs" },
+        "./reference.wasm": "./reference.wasm",
+      }),
       "./cases.json": "./cases.json",
     },
     bin: { "ptm-conform": "bin.mjs" },

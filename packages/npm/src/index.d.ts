@@ -25,7 +25,7 @@ export interface Case {
 
 export interface Result {
   id: string;
-  outcome: "pass" | "fail" | "unsupported" | "inconclusive" | "not judged";
+  outcome: "pass" | "fail" | "known failure" | "unsupported" | "inconclusive" | "not judged";
   says: string;
   clauses: string[];
   because: string;
@@ -47,7 +47,12 @@ export interface Refusals {
   unsupported?: Thrown;
 }
 
+export interface RunOptions extends Refusals {
+  /** The ids of known failures. They do not make the run fail, but a known failure that passes does. */
+  known?: Iterable<string>;
+}
+
 export class Malformed extends Error {}
 export class Unsupported extends Error {}
 export function fromBase64(base64: string): Uint8Array;
-export function run(cases: Case[], decode: (file: Uint8Array) => DecodedImage | Promise<DecodedImage>, options?: Refusals): Promise<Results>;
+export function run(cases: Case[], decode: (file: Uint8Array) => DecodedImage | Promise<DecodedImage>, options?: RunOptions): Promise<Results>;

@@ -7,7 +7,7 @@ import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 
-import { Malformed, Unsupported } from "./index.mjs";
+import { Malformed, Unsupported, refusal, rejectCatchAll } from "./index.mjs";
 
 export { Malformed, Unsupported };
 
@@ -34,6 +34,7 @@ export function cases() {
  * of `ptm-conform check`.
  */
 export async function check(functions, { malformed = Malformed, unsupported = Unsupported, options = [] } = {}) {
+  rejectCatchAll({ malformed, unsupported });
   const decoders = typeof functions === "function" ? { raw: functions } : functions;
   const directory = mkdtempSync(join(tmpdir(), "ptm-"));
   const place = (name) => join(directory, name);
@@ -88,7 +89,7 @@ async function answer(decoders, request, file, { malformed, unsupported }) {
   try {
     image = await decoders[view](file, ...(light ? light.split(",").map(Number) : []));
   } catch (error) {
-    const word = error instanceof malformed ? "reject" : error instanceof unsupported ? "unsupported" : "crash";
+    const word = { malformed: "reject", unsupported: "unsupported" }[refusal(error, { malformed, unsupported })] ?? "crash";
     return [word, Buffer.from(String(error)).subarray(0, 4000)];
   }
   const { width, height, channels, samples } = image ?? {};

@@ -35,6 +35,16 @@ for (const decode of [() => { throw new Malformed(); }, () => { throw new Unsupp
   assert(!(await run(all, decode)).passed);
 }
 
+// Known failures, errors that belong to both classes, and classes that catch everything.
+const ids = turned.failures.map(({ id }) => id);
+assert((await run(all, upsideDown, { known: ids })).passed);
+assert(!(await run(all, correct, { known: ["hand-rgb-blocks"] })).passed);
+class Refused extends Malformed {}
+const unsure = await run(all, () => { throw new Refused("unsure"); }, { unsupported: Refused });
+assert.equal(unsure.results.find(({ id }) => id === "hand-rgb-blocks").outcome, "unsupported");
+await assert.rejects(run(all, correct, { malformed: Error }), /nearly every error/);
+await assert.rejects(check(correct, { unsupported: Error }), /nearly every error/);
+
 // `check` with the same functions.
 const options = ["--case", "hand-*", "--case", "first-*"];
 const checked = await check(correct, { options });

@@ -4,6 +4,7 @@ The program requests views of files over a socket and receives the results of th
 for causes as for any other decoder, so the verdicts are those of `ptm-conform check`.
 """
 
+import collections
 import dataclasses
 import json
 import os
@@ -12,6 +13,9 @@ import subprocess
 import tempfile
 
 from ._program import Malformed, Unsupported, program
+
+#: Classes that say nothing about a file.
+CATCH_ALL = (BaseException, Exception)
 
 CHANNEL_TYPES = {"raw": "u1", "coef": "<f4", "rgb": "u1"}
 
@@ -64,7 +68,8 @@ def check_callable(raw=None, *, coef=None, rgb=None, malformed=Malformed, unsupp
     `raw(file)` and `coef(file)` take the bytes of a file and return an array of shape (height, width, channels), top row
     first: the stored values as uint8, and the final coefficients as floats. `rgb(file, lu, lv)` returns the image under a
     light as uint8. One function is enough. The functions raise `malformed` for a malformed file and `unsupported` for a kind
-    of file that they do not support. Any other exception counts as a crash. `options` are options of `ptm-conform check`,
+    of file that they do not support; of an exception that is both, its most specific class counts. Any other exception counts as a
+    crash. `options` are options of `ptm-conform check`,
     such as ["--smoke"]. The functions run in this process without a time limit: if one runs forever or crashes the interpreter, so
     does this call.
     """
@@ -73,6 +78,13 @@ def check_callable(raw=None, *, coef=None, rgb=None, malformed=Malformed, unsupp
     functions = {"raw": raw, "coef": coef, "rgb": rgb}
     if not any(functions.values()):
         raise TypeError("check_callable needs raw, coef or rgb")
+    for name, classes in (("malformed", malformed), ("unsupported", unsupported)):
+        for kind in _as_tuple(classes):
+            if kind in CATCH_ALL:
+                raise TypeError(
+                    "%s=%s is the class of nearly every error, so an accidental error would count as a refusal; "
+                    "define a class of your own, and raise it for %s files" % (name, kind.__name__, name)
+                )
     answer = _Answer(functions, malformed, unsupported)
     # The path of a socket is limited to about a hundred bytes.
     short = None if len(tempfile.gettempdir()) < 60 else "/tmp"
@@ -94,7 +106,7 @@ def check_callable(raw=None, *, coef=None, rgb=None, malformed=Malformed, unsupp
                 raise RuntimeError(errors.read().strip() or "ptm-conform exited with %d" % status)
         with open(paths["text"], encoding="utf-8") as text, open(paths["json"], "rb") as data:
             lines = [line for line in text if not line.startswith("report: ")]
-            return Report(status, "".join(lines), json.load(data))
+            return Report(status, "".join(lines) + answer.advice(), json.load(data))
 
 
 def _serve(listener, run, answer):
@@ -122,6 +134,8 @@ class _Answer:
         self.functions = functions
         self.malformed = malformed
         self.unsupported = unsupported
+        #: uncaught exceptions by class
+        self.crashes = collections.Counter()
 
     def __call__(self, view, file):
         name, _, light = view.partition(":")
@@ -130,17 +144,34 @@ class _Answer:
             return b"unsupported", b""
         try:
             value = function(file, *map(float, light.split(","))) if light else function(file)
-        except self.malformed as what:
-            return b"reject", _message(what)
-        except self.unsupported as what:
-            return b"unsupported", _message(what)
         except Exception as what:
-            hint = b"; if that means a malformed file, pass malformed=" + type(what).__name__.encode()
-            return b"crash", _message(what) + hint
+            malformed, unsupported = _specificity(what, self.malformed), _specificity(what, self.unsupported)
+            if malformed == unsupported == 0:
+                self.crashes[type(what)] += 1
+                return b"crash", _message(what)
+            return (b"reject" if malformed >= unsupported else b"unsupported"), _message(what)
         try:
             return b"ok", _frame(name, value)
         except TypeError as what:
             return b"error", str(what).encode()
+
+
+    def advice(self):
+        """Says how to declare the exceptions that were not caught."""
+        lines = []
+        for kind, count in self.crashes.most_common(3):
+            means = "unsupported" if issubclass(kind, NotImplementedError) or "support" in kind.__name__.lower() else "malformed"
+            lines.append("%s was raised %d times and counts as a crash; if it means a file that is %s, pass %s=%s\n" % (kind.__name__, count, means, means, kind.__name__))
+        return "".join(lines)
+
+
+def _as_tuple(classes):
+    return classes if isinstance(classes, tuple) else (classes,)
+
+
+def _specificity(what, classes):
+    """Returns the depth of the most specific of these classes in the class tree, or 0 if the exception belongs to none of them."""
+    return max((len(kind.__mro__) for kind in _as_tuple(classes) if isinstance(what, kind)), default=0)
 
 
 def _message(what):

@@ -8,17 +8,24 @@
     def test_ptm(ptm_case):
         ptm_case.check()
 
-The suite runs once, before the first of these tests. With `-k` or a test id, only the selected cases run.
+The suite runs once, before the first of these tests. With `-k` or a test id, only the selected cases run. With pytest-xdist, every
+worker runs it. `--ptm-baseline FILE` marks the cases of a list of known failures (of `ptm-conform check --write-baseline`) as
+expected to fail: a listed case that passes fails its test.
 """
 
+import collections
 import json
 import os
+import re
 
 import pytest
 
 from . import check_callable
 
 SKIPPED = ("unsupported", "inconclusive", "not judged", "not run")
+
+#: Name of the property of a failed test that holds a cause.
+CAUSE = "ptm_cause"
 
 
 def case_ids():
@@ -27,10 +34,40 @@ def case_ids():
         return json.load(file)
 
 
+def known_failures(path):
+    """Returns the reasons of a list of known failures by case id. The list has entries "- id: CASE", with an optional "reason: TEXT"."""
+    known, last = {}, None
+    with open(path, encoding="utf-8") as file:
+        for number, line in enumerate(file, 1):
+            if not line.strip() or line.lstrip().startswith("#") or line.strip() == "[]":
+                continue
+            entry = re.fullmatch(r"- id: *['\"]?([a-z0-9-]+)['\"]?\s*", line)
+            reason = re.fullmatch(r"  reason: *(.*?)\s*", line)
+            if entry:
+                last = entry[1]
+                known[last] = "known failure"
+            elif reason and last:
+                known[last] = reason[1].strip("'\"")
+            else:
+                raise pytest.UsageError("%s, line %d: expected `- id: CASE` or `  reason: TEXT`" % (path, number))
+    unknown = sorted(set(known) - set(case_ids()))
+    if unknown:
+        raise pytest.UsageError("%s: no case is named %s" % (path, unknown[0]))
+    return known
+
+
+def pytest_addoption(parser):
+    group = parser.getgroup("ptm-conform")
+    group.addoption("--ptm-baseline", metavar="FILE", help="known failures, as written by ptm-conform check --write-baseline; they are expected to fail")
+
+
 def pytest_generate_tests(metafunc):
     if "ptm_case" in metafunc.fixturenames:
-        ids = case_ids()
-        metafunc.parametrize("ptm_case", ids, ids=ids, indirect=True)
+        path = metafunc.config.getoption("--ptm-baseline")
+        known = known_failures(path) if path else {}
+        marks = {id: [pytest.mark.xfail(strict=True, reason=reason)] for id, reason in known.items()}
+        cases = [pytest.param(id, marks=marks.get(id, [])) for id in case_ids()]
+        metafunc.parametrize("ptm_case", cases, ids=case_ids(), indirect=True)
 
 
 @pytest.fixture(scope="session")
@@ -46,31 +83,48 @@ def ptm_report(request, ptm_decoder):
 @pytest.fixture
 def ptm_case(request, ptm_report):
     """A case. Its check() fails, passes or skips according to the verdict."""
-    return Verdict(request.param, ptm_report)
+    return Verdict(request.param, ptm_report, request.node)
 
 
 class Verdict:
     """The verdict on a case."""
 
-    def __init__(self, id, report):
+    def __init__(self, id, report, test):
         self.id = id
         self.report = report
+        self.test = test
         self.case = next((case for case in report.data["cases"] if case["id"] == id), None)
 
     def check(self):
         if self.report.status == 3:
-            pytest.fail(self.report.data["reason"], pytrace=False)
+            self.fail(self.report.data["reason"], [])
         outcome, says = self.case["outcome"], self.case.get("says", "")
         if outcome == "fail":
-            pytest.fail("\n".join(["%s (%s)" % (self.id, ", ".join(self.case["clauses"])), says, *self.causes()]), pytrace=False)
+            self.fail(says, self.causes())
         # A fault that all images share is reported once, and undone before the cases are judged.
         common_faults = [remark["says"] for remark in self.report.data.get("remarks", []) if remark.get("failure")]
         if common_faults and outcome == "pass" and self.case["expect"] == "decode":
-            pytest.fail("\n".join([self.id, *common_faults]), pytrace=False)
+            self.fail(common_faults[0], common_faults)
         if outcome in SKIPPED:
             pytest.skip("%s: %s" % (outcome, says))
+
+    def fail(self, reason, causes):
+        """Fails the test. The first line is the reason, which the summary of pytest shows."""
+        self.test.user_properties.extend((CAUSE, cause) for cause in causes or ["unexplained"])
+        clauses = ", ".join(self.case["clauses"]) if self.case else ""
+        pytest.fail("\n".join([reason, "%s (%s)" % (self.id, clauses), *causes]), pytrace=False)
 
     def causes(self):
         """Returns the causes of this failure in the report."""
         causes = self.report.data["diagnoses"]
         return ["The decoder %s. Fix: %s." % (cause["effect"], cause["fix"]) for cause in causes if self.id in cause["explains"]]
+
+
+def pytest_terminal_summary(terminalreporter):
+    """Lists the causes of the failures, the most frequent first."""
+    failed = terminalreporter.stats.get("failed", [])
+    causes = collections.Counter(value for report in failed for name, value in report.user_properties if name == CAUSE)
+    if causes:
+        terminalreporter.section("causes of PTM failures")
+        for cause, count in causes.most_common():
+            terminalreporter.write_line("%d of %d: %s" % (count, len(failed), cause))
