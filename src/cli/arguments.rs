@@ -39,10 +39,14 @@ pub fn parse_pair(text: &str) -> Option<(f64, f64)> {
     Some((first.trim().parse().ok()?, second.trim().parse().ok()?))
 }
 
-/// Returns a predicate that accepts case ids matching any of the patterns, or all ids if there are no patterns.
-pub fn id_filter(patterns: &[String]) -> Result<impl Fn(&str) -> bool + use<>, String> {
-    let parse =
-        |text: &String| glob::Pattern::new(text).map_err(|error| format!("--case {text}: {error}"));
+/// Returns a predicate that accepts case ids matching any of the patterns of an option, or all ids if there are no patterns.
+pub fn id_filter(
+    option: &str,
+    patterns: &[String],
+) -> Result<impl Fn(&str) -> bool + use<>, String> {
+    let parse = |text: &String| {
+        glob::Pattern::new(text).map_err(|error| format!("{option} {text}: {error}"))
+    };
     let globs: Vec<glob::Pattern> = patterns.iter().map(parse).collect::<Result<_, _>>()?;
     Ok(move |id: &str| globs.is_empty() || globs.iter().any(|glob| glob.matches(id)))
 }

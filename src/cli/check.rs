@@ -25,6 +25,7 @@ use ptm_harness::session::probe::ProbeStep;
 use ptm_harness::session::texture_stage;
 use ptm_harness::strength::smoke;
 use ptm_suite::protocol::request::Request;
+use ptm_suite::test_case::Listed;
 use ptm_suite::{cases::Suite, texture::cases::TextureView};
 
 /// Runs a suite.
@@ -34,7 +35,8 @@ pub fn run(args: &CheckArgs) -> CommandResult {
     processes::prepare();
     args.output.check(&args.run.report)?;
     let has_decoder = !args.decoder.is_empty() || args.cmd.is_some();
-    let is_reference = !has_decoder && args.outputs.is_none() && args.caller.is_none();
+    let is_reference =
+        !args.list && !has_decoder && args.outputs.is_none() && args.caller.is_none();
     if is_reference {
         print("No decoder given: checking the built-in reference.\n");
     }
@@ -52,7 +54,12 @@ pub fn run(args: &CheckArgs) -> CommandResult {
 fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     let suite = Suite::load()?;
     let smoke = smoke::selection(&suite)?;
-    let selected = args.select_cases(&suite, |i| !args.smoke || smoke[i])?;
+    let is_of_format =
+        |i: usize| args.formats.is_empty() || args.formats.contains(&suite.cases[i].format());
+    let selected = args.select_cases(&suite, |i| (!args.smoke || smoke[i]) && is_of_format(i))?;
+    if args.list {
+        return Ok(list_cases(&suite, &selected));
+    }
     reject_unknown_misreadings(&args.assumed)?;
 
     let mut decoder = NamedDecoder::new(args, &suite, stop)?;
@@ -79,6 +86,7 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
             Repeat::Failures
         },
         stop: Arc::clone(stop),
+        fail_fast: args.fail_fast,
         ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?)
     }
     .with_capabilities(&capabilities);
@@ -132,6 +140,15 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     Ok(status)
 }
 
+/// Prints the ids of the selected cases. Returns the exit status.
+fn list_cases<C: Listed>(suite: &Suite<C>, selected: &[bool]) -> u8 {
+    let cases = suite.cases.iter().zip(selected);
+    for (case, _) in cases.filter(|(_, selected)| **selected) {
+        print(&format!("{}\n", case.id()));
+    }
+    0
+}
+
 /// Returns an error, with similar names, if an assumed misreading is unknown.
 fn reject_unknown_misreadings(slugs: &[String]) -> Result<(), String> {
     for slug in slugs {
@@ -164,6 +181,9 @@ fn check_stage(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     reject_file_options(args)?;
     let suite = Suite::load_texture()?;
     let selected = args.select_cases(&suite, |_| true)?;
+    if args.list {
+        return Ok(list_cases(&suite, &selected));
+    }
     let (mut decoder, words) = decoder_for_command(&args.decoder)?;
     args.run.calls.apply_limits(&mut decoder, stop)?;
     let guarded = ScratchGuard::new()?;
@@ -171,6 +191,7 @@ fn check_stage(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         selected,
         repeat: Repeat::Failures,
         stop: Arc::clone(stop),
+        fail_fast: args.fail_fast,
         ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?)
     };
     let circumstances = Circumstances {
@@ -200,6 +221,7 @@ fn check_stage(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
 fn reject_file_options(args: &CheckArgs) -> Result<(), String> {
     let option = match args {
         _ if args.smoke => "--smoke",
+        _ if !args.formats.is_empty() => "--ptm-format",
         _ if !args.views.is_empty() => "--view",
         _ if args.serve => "--serve",
         _ if !args.assumed.is_empty() => "--assume",

@@ -5,10 +5,11 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::arguments::{id_filter, is_at_or_below, parse_refusal, view_parser};
+use super::arguments::{id_filter, is_at_or_below, parse_format, parse_refusal, view_parser};
 use super::calls::{RunArgs, quote_command};
 use super::{CommandError, EXIT_NOTHING_SELECTED};
 use super::{ending::OutputArgs, names::did_you_mean};
+use ptm::Format;
 use ptm_harness::pipeline::recorder::ShardRecorder;
 use ptm_harness::runner::processes;
 use ptm_harness::session::plan::SAMPLE_INTERVAL;
@@ -35,7 +36,7 @@ pub enum DecoderSuite {
 /// 5 no case was selected.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform check ./my-decoder\n  ptm-conform check -- python3 decode.py --strict\n  ptm-conform check --case '*lut*' --jobs 1 ./my-decoder\n  ptm-conform check --cmd 'viewer -u {lu} -v {lv} {in} -o {out}.png' --reject-exit 1\n  ptm-conform check --baseline known-failures.yaml ./my-decoder"
+    after_help = "Examples:\n  ptm-conform check ./my-decoder\n  ptm-conform check -- python3 decode.py --strict\n  ptm-conform check --ptm-format LRGB --fail-fast ./my-decoder\n  ptm-conform check --case '*lut*' --skip '*huge*' --jobs 1 ./my-decoder\n  ptm-conform check --cmd 'viewer -u {lu} -v {lv} {in} -o {out}.png' --reject-exit 1\n  ptm-conform check --baseline known-failures.yaml ./my-decoder"
 )]
 #[expect(clippy::struct_excessive_bools, reason = "each is a separate option")]
 pub struct CheckArgs {
@@ -44,6 +45,12 @@ pub struct CheckArgs {
     /// Run only cases whose id matches; * and ? are wildcards. Repeatable.
     #[arg(long = "case", value_name = "GLOB")]
     pub cases: Vec<String>,
+    /// Skip cases whose id matches; * and ? are wildcards. Repeatable.
+    #[arg(long = "skip", value_name = "GLOB")]
+    pub skipped: Vec<String>,
+    /// Run only cases of this format, for example LRGB. Repeatable.
+    #[arg(long = "ptm-format", alias = "format", value_name = "FORMAT", value_parser = parse_format)]
+    pub formats: Vec<Format>,
     /// Run only cases about this clause or section, for example 2.4/8 or 2.4. Repeatable.
     #[arg(long = "clause", value_name = "ID")]
     pub clauses: Vec<String>,
@@ -72,6 +79,12 @@ pub struct CheckArgs {
     /// Check every .ptm file in DIR instead of the suite, against the reference and against other encodings of the same values.
     #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
+    /// Print the ids of the selected cases, one per line, and request nothing.
+    #[arg(long)]
+    pub list: bool,
+    /// End the run after the first failure.
+    #[arg(long)]
+    pub fail_fast: bool,
     /// Run only the smoke subset: a few cases that catch every misreading in the catalog if the decoder supports all formats.
     #[arg(long)]
     pub smoke: bool,
@@ -134,14 +147,15 @@ impl CheckArgs {
         Some(format!("ptm-conform check {}", quote_command(&words)))
     }
 
-    /// Returns one flag per case: true if the case is in the subset, matches the patterns and the clauses, and belongs to the
-    /// shard. Returns an error if no case is selected.
+    /// Returns one flag per case: true if the case is in the subset, matches the patterns, the formats and the clauses, and belongs to
+    /// the shard. Returns an error if no case is selected.
     pub fn select_cases<C: Listed>(
         &self,
         suite: &Suite<C>,
         is_in_subset: impl Fn(usize) -> bool,
     ) -> Result<Vec<bool>, CommandError> {
-        let is_named = id_filter(&self.cases)?;
+        let is_named = id_filter("--case", &self.cases)?;
+        let is_skipped = id_filter("--skip", &self.skipped)?;
         let is_about = |clause: &String| {
             let mut asked = self.clauses.iter();
             asked.any(|asked| is_at_or_below(clause, asked))
@@ -149,6 +163,7 @@ impl CheckArgs {
         let is_in_shard = |id: &str| self.shard.is_none_or(|shard| shard.contains(id.as_bytes()));
         let matches = |case: &C| {
             is_named(case.id())
+                && (self.skipped.is_empty() || !is_skipped(case.id()))
                 && (self.clauses.is_empty() || case.clauses().iter().any(is_about))
                 && is_in_shard(case.id())
         };
@@ -162,7 +177,7 @@ impl CheckArgs {
         let ids = || suite.cases.iter().map(Listed::id);
         let meant = self.cases.iter().map(|name| did_you_mean(name, ids()));
         let says = format!(
-            "no case matches --case, --clause and --shard{}; ptm-conform explain 2.5 lists the clauses and cases of section 2.5",
+            "no case matches --case, --skip, --ptm-format, --clause, --smoke and --shard{}; ptm-conform explain 2.5 lists the clauses and cases of section 2.5",
             meant.collect::<String>()
         );
         Err(CommandError::new(EXIT_NOTHING_SELECTED, &says))

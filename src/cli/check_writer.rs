@@ -100,7 +100,7 @@ fn check<V: RequestValues>(
     suite: &Suite<FileCase<V>>,
     stop: &Arc<AtomicBool>,
 ) -> CommandResult {
-    let is_named = id_filter(&args.cases)?;
+    let is_named = id_filter("--case", &args.cases)?;
     let matches = |case: &FileCase<V>| {
         is_named(&case.id)
             && (args.formats.is_empty() || args.formats.contains(&case.format))

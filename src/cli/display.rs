@@ -4,6 +4,7 @@
 use std::fs;
 use std::io::Write;
 use std::path::PathBuf;
+use std::sync::OnceLock;
 use std::time::Duration;
 
 use super::ending::ReportWriter;
@@ -11,6 +12,7 @@ use super::files::with_path;
 use super::progress::{self, ProgressLine};
 use crate::report::html::Evidence;
 use crate::report::text::first_verdicts_to_text;
+use ptm_harness::pipeline::times::Times;
 use ptm_harness::pipeline::{Agenda, FinishedCase, FirstVerdicts, FoundCauses, Observer, Stage};
 use ptm_harness::report::document::Report;
 use ptm_harness::session::run::Ending;
@@ -24,6 +26,8 @@ pub struct Display<'a> {
     /// File next to the report, with the results so far: a YAML list that is valid after every case.
     partial: (PathBuf, fs::File),
     progress: ProgressLine,
+    /// Times of the requests, once they are known.
+    times: OnceLock<Times>,
     /// Hint on how to get answers faster.
     speed_hint: Option<&'static str>,
 }
@@ -42,6 +46,7 @@ impl<'a> Display<'a> {
             writer,
             partial: (partial, file),
             progress: ProgressLine::new("initial checks"),
+            times: OnceLock::new(),
             speed_hint,
         })
     }
@@ -49,7 +54,8 @@ impl<'a> Display<'a> {
     /// Ends the display, and writes and prints the report in all requested formats. Returns the exit status.
     pub fn finish(self, ending: Ending, report: Report, evidence: &Evidence) -> Result<u8, String> {
         drop(self.progress);
-        let status = self.writer.finish(ending, report, evidence)?;
+        let times = self.times.get();
+        let status = self.writer.finish(ending, report, evidence, times)?;
         let _ = fs::remove_file(self.partial.0);
         Ok(status)
     }
@@ -95,6 +101,10 @@ impl Observer for Display<'_> {
 
     fn first_verdicts(&self, first: &FirstVerdicts) {
         self.progress.print_message(&first_verdicts_to_text(first));
+    }
+
+    fn times_measured(&self, times: &Times) {
+        let _ = self.times.set(times.clone());
     }
 
     fn request_repeated(&self, done: usize, total: usize) {

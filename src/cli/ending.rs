@@ -3,6 +3,7 @@
 use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 use clap::Args;
 
@@ -11,6 +12,7 @@ use super::output::{print, print_error};
 use super::terminal::print_styled;
 use crate::report::html::{self, Evidence};
 use crate::report::{github, junit, text};
+use ptm_harness::pipeline::times::Times;
 use ptm_harness::report::suite_texts::SuiteTexts;
 use ptm_harness::report::{Report, baseline::Baseline, document::BaselineComparison};
 use ptm_harness::session::run::Ending;
@@ -52,6 +54,9 @@ pub struct OutputArgs {
     /// Number of failures to print in full; the report contains all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     show: usize,
+    /// List the N slowest cases, with the wall-clock time of all requests for each.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    durations: usize,
 }
 
 impl OutputArgs {
@@ -115,6 +120,7 @@ impl<'a> ReportWriter<'a> {
         ending: Ending,
         mut report: Report,
         evidence: &Evidence,
+        times: Option<&Times>,
     ) -> Result<u8, String> {
         self.write(&mut report)?;
         if let Some(why) = &ending.ended_early {
@@ -126,28 +132,32 @@ impl<'a> ReportWriter<'a> {
             true => github::quote_commands(&text),
             false => text,
         });
+        if let Some(times) = times {
+            print(&slowest_to_text(times, self.args.durations));
+        }
         print(&format!("report: {}\n", self.path.display()));
         if let Some(path) = &self.args.html {
             write_atomically(path, html::page(&self.texts, &report, evidence))?;
             print(&format!("page: {}\n", path.display()));
         }
-        self.write_other_formats(&report)?;
+        self.write_other_formats(&report, times)?;
         self.write_baseline(&report, ending.is_complete())?;
         let Some(comparison) = &report.baseline else {
             return Ok(ending.exit_status());
         };
-        print_comparison(comparison);
         let ending = ending.with_failing_case(!comparison.new.is_empty());
-        Ok(match ending.exit_status() {
+        let status = match ending.exit_status() {
             0 if !comparison.stale.is_empty() => 4,
             status => status,
-        })
+        };
+        print_comparison(comparison, status);
+        Ok(status)
     }
 
     /// Writes all formats except YAML, text and HTML.
-    fn write_other_formats(&self, report: &Report) -> Result<(), String> {
+    fn write_other_formats(&self, report: &Report, times: Option<&Times>) -> Result<(), String> {
         if let Some(path) = &self.args.junit {
-            write_atomically(path, junit::junit(report))?;
+            write_atomically(path, junit::junit(report, times))?;
         }
         if let Some(path) = &self.args.json {
             let json = serde_json::to_string(report).map_err(|error| error.to_string())?;
@@ -183,16 +193,31 @@ impl<'a> ReportWriter<'a> {
     }
 }
 
-/// Lists the new failures and the listed cases that pass.
-fn print_comparison(comparison: &BaselineComparison) {
+/// Lists the slowest cases.
+fn slowest_to_text(times: &Times, count: usize) -> String {
+    let row = |(id, time): (&str, Duration)| format!("  {:8.3} s  {id}\n", time.as_secs_f64());
+    let rows: String = times.slowest(count).into_iter().map(row).collect();
+    match rows.is_empty() {
+        true => rows,
+        false => format!("slowest cases, all requests for each:\n{rows}"),
+    }
+}
+
+/// Lists the new failures and the listed cases that pass. The last line has the verdict.
+fn print_comparison(comparison: &BaselineComparison, status: u8) {
     let list = |title: &str, ids: &[String]| match ids.len() {
         0 => String::new(),
         count => format!("{title}: {count}\n  {}\n", ids.join("\n  ")),
     };
     let new = list("new failures (not in the baseline)", &comparison.new);
     let stale = list("stale, listed but passing", &comparison.stale);
+    let verdict = match status {
+        0 => "ok",
+        4 => "out of date: remove the listed cases that pass",
+        _ => "fail",
+    };
+    let (known, new_count) = (comparison.known.len(), comparison.new.len());
     print(&format!(
-        "known failures: {}\n{new}{stale}",
-        comparison.known.len()
+        "{new}{stale}{verdict}: {known} known failures, {new_count} new\n"
     ));
 }

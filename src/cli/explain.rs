@@ -32,24 +32,35 @@ use ptm_suite::{name::SuiteName, test_case::Listed};
 #[cfg(unix)]
 use ptm_writers::cases::load_writer_requests;
 
-/// Explain a case, a clause, a ruling, a misreading, a lint code or a public reader.
+/// Explain a case, a clause, a ruling, a misreading, a lint code or a public reader, or search for a word.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform explain 2.4/8\n  ptm-conform explain hand-rgb-blocks\n  ptm-conform explain rows-top-down"
+    after_help = "Examples:\n  ptm-conform explain 2.4/8\n  ptm-conform explain hand-rgb-blocks\n  ptm-conform explain rows-top-down\n  ptm-conform explain nentries"
 )]
 pub struct ExplainArgs {
     /// An id such as hand-rgb-blocks, 2.4/8, lut-count, PTM-W102 or PTM_LUT; without one, all ids except those of cases are listed.
+    /// A word that is no id is searched for in the texts.
+    #[arg(value_name = "ID|WORD")]
     id: Option<String>,
+    /// Of a case, list every field of the file, also those of long lists.
+    #[arg(long)]
+    all: bool,
 }
 
-/// Explains an id, or suggests similar ids if it is unknown.
+/// Explains an id. If it is unknown, searches for it in all texts, or suggests similar ids.
 pub fn run(args: &ExplainArgs) -> CommandResult {
     let Some(id) = &args.id else {
         print_styled(&list_ids(&Suite::load()?)?);
         return Ok(0);
     };
-    let Some(text) = explain(id)? else {
-        return Err(unknown_id_message(id, &Suite::load()?)?.into());
+    let Some(text) = explain(id, args.all)? else {
+        let suite = Suite::load()?;
+        let found = search(id, &suite)?;
+        if found.is_empty() {
+            return Err(unknown_id_message(id, &suite)?.into());
+        }
+        print_styled(&found);
+        return Ok(0);
     };
     print_styled(&text);
     Ok(0)
@@ -116,11 +127,11 @@ fn list_ids(suite: &Suite) -> Result<String, String> {
 }
 
 /// Describes everything that has the given id. Returns `None` if the id is unknown.
-fn explain(id: &str) -> Result<Option<String>, String> {
+fn explain(id: &str, shows_all: bool) -> Result<Option<String>, String> {
     let (suite, pages) = (Suite::load()?, SuiteName::Ptm);
     let mut text = String::new();
     if let Some(case) = suite.case(id) {
-        text += &explain_case(case);
+        text += &explain_case(case, shows_all);
         text += &page_line(pages.case_page(id));
     }
     #[cfg(unix)]
@@ -337,7 +348,7 @@ fn describe_failing_cases(misreading: &Misreading, suite: &Suite) -> Result<Stri
     ))
 }
 
-fn explain_case(case: &Case) -> String {
+fn explain_case(case: &Case, shows_all: bool) -> String {
     let (id, clauses, because) = (&case.id, case.clauses.join(", "), &case.because);
     let views: Vec<String> = case.views.iter().map(ToString::to_string).collect();
     let (views, built) = (views.join(", "), case.build(TableSpelling::default()));
@@ -356,17 +367,113 @@ fn explain_case(case: &Case) -> String {
     for (is, bytes) in case.pieces() {
         let _ = writeln!(text, "    {is:<40} {}", bytes.escape_ascii());
     }
-    for field in &built.fields {
-        let (start, name, clause) = (field.range.start, &field.name, &field.clause);
-        let bytes = &built.file[field.range.clone()];
-        let shown = bytes[..bytes.len().min(24)].escape_ascii();
-        let more = if bytes.len() > 24 { "…" } else { "" };
-        let _ = writeln!(
-            text,
-            "    byte {start:>5}  {name:<22} {clause:<8} {shown}{more}"
-        );
+    for list in built.fields.chunk_by(|a, b| a.clause == b.clause) {
+        let is_folded = !shows_all && list.len() > MAX_LIST_FIELDS;
+        let shown = if is_folded { FIRST_FIELDS } else { list.len() };
+        for field in &list[..shown] {
+            let (start, name, clause) = (field.range.start, &field.name, &field.clause);
+            let bytes = &built.file[field.range.clone()];
+            let shown = bytes[..bytes.len().min(24)].escape_ascii();
+            let more = if bytes.len() > 24 { "…" } else { "" };
+            let _ = writeln!(
+                text,
+                "    byte {start:>5}  {name:<22} {clause:<8} {shown}{more}"
+            );
+        }
+        if is_folded {
+            let more = list.len() - shown;
+            let _ = writeln!(
+                text,
+                "                … {more} more of this clause; --all lists them"
+            );
+        }
     }
     text
+}
+
+/// Maximum number of fields of a clause that are listed one by one.
+const MAX_LIST_FIELDS: usize = 8;
+
+/// Number of fields that are listed of a longer list.
+const FIRST_FIELDS: usize = 3;
+
+/// Maximum number of texts of each kind that a search lists.
+const MAX_FOUND: usize = 8;
+
+/// Searches for a word in the ids and texts of everything that can be explained. Returns an empty string if it occurs nowhere.
+fn search(word: &str, suite: &Suite) -> Result<String, String> {
+    let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
+    let profiles = readers::load_profiles(None)?;
+    let entry = |id: &str, says: &str| (id.to_owned(), says.trim().to_owned());
+    let kinds: [(&str, Vec<(String, String)>); 6] = [
+        (
+            "clauses",
+            clauses
+                .iter()
+                .map(|clause| entry(&clause.id, &clause.rule))
+                .collect(),
+        ),
+        (
+            "rulings",
+            rulings
+                .iter()
+                .map(|ruling| {
+                    entry(
+                        &ruling.id,
+                        &format!("{} {}", ruling.question.trim(), ruling.reading),
+                    )
+                })
+                .collect(),
+        ),
+        (
+            "misreadings",
+            ptm_mistakes::all()
+                .map(|found| entry(found.slug, found.effect))
+                .collect(),
+        ),
+        (
+            "lint codes",
+            codes::ALL
+                .iter()
+                .map(|code| entry(code.id, code.message))
+                .collect(),
+        ),
+        (
+            "readers",
+            profiles
+                .iter()
+                .map(|profile| entry(&profile.name, &profile.reader))
+                .collect(),
+        ),
+        (
+            "cases",
+            suite
+                .cases
+                .iter()
+                .map(|case| entry(&case.id, &case.because))
+                .collect(),
+        ),
+    ];
+    let wanted = word.to_lowercase();
+    let mut text = String::new();
+    for (kind, entries) in kinds {
+        let contains = |text: &String| text.to_lowercase().contains(&wanted);
+        let found: Vec<_> = entries
+            .iter()
+            .filter(|(id, says)| contains(id) || contains(says))
+            .collect();
+        if found.is_empty() {
+            continue;
+        }
+        let _ = writeln!(text, "{} {kind}:", found.len());
+        for (id, says) in found.iter().take(MAX_FOUND) {
+            let _ = writeln!(text, "  {id}: {says}");
+        }
+        if found.len() > MAX_FOUND {
+            let _ = writeln!(text, "  … and {} more", found.len() - MAX_FOUND);
+        }
+    }
+    Ok(text)
 }
 
 fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {

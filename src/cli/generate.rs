@@ -109,7 +109,7 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
 
 /// Writes the files of the cases whose ids match `glob`.
 fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
-    let is_named = id_filter(&[glob.to_owned()])?;
+    let is_named = id_filter("--case", &[glob.to_owned()])?;
     let cases = suite.cases.iter().filter(|case| is_named(&case.id));
     let cases: Vec<&Case> = cases.collect();
     if cases.is_empty() {

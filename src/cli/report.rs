@@ -158,7 +158,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
 fn convert(command: &ReportCommand, reports: &[Report], texts: &SuiteTexts) -> CommandResult {
     let (report, suite_size) = (&reports[0], texts.cases.len());
     match command {
-        ReportCommand::Junit(args) => args.write(&junit::junit(report)),
+        ReportCommand::Junit(args) => args.write(&junit::junit(report, None)),
         ReportCommand::Badge(args) => args.write(&badge::badge(report)),
         ReportCommand::Markdown(args) => args.write(&github::summary(report, suite_size)),
         ReportCommand::Html { output, .. } => {
@@ -172,7 +172,7 @@ fn convert(command: &ReportCommand, reports: &[Report], texts: &SuiteTexts) -> C
         ReportCommand::Show { cases, show, .. } => {
             let text = match &cases[..] {
                 [] => text::report_to_text(report, texts, *show),
-                cases => text::cases_to_text(report, texts, id_filter(cases)?),
+                cases => text::cases_to_text(report, texts, id_filter("--case", cases)?),
             };
             if text.is_empty() {
                 let says = "no case in the report matches the pattern";
@@ -195,7 +195,7 @@ fn merge(args: &MergeArgs) -> CommandResult {
         answers.merge(&suite, jobs, &MergeProgress(progress))
     })?;
     let evidence = Evidence::new(&suite, &run, html::case_evidence);
-    Ok(writer.finish(run.ending(), report, &evidence)?)
+    Ok(writer.finish(run.ending(), report, &evidence, None)?)
 }
 
 /// Merges the parts of a run of a texture stage.
@@ -208,7 +208,7 @@ fn merge_texture(args: &MergeArgs) -> CommandResult {
         answers.merge_texture(&suite, jobs, &MergeProgress(progress))
     })?;
     let evidence = Evidence::new(&suite, &run, html::question_evidence);
-    Ok(writer.finish(run.ending(), report, &evidence)?)
+    Ok(writer.finish(run.ending(), report, &evidence, None)?)
 }
 
 /// Shows the number of replayed cases.

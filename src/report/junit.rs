@@ -3,8 +3,11 @@
 //! A failing case or a problem with the whole run is reported as a failure. A case that was not run, or a program that is not a
 //! decoder, is an error. Known failures and cases without evidence, such as unsupported ones, are skipped.
 
+use std::time::Duration;
+
 use maud::{Markup, PreEscaped, html};
 
+use ptm_harness::pipeline::times::Times;
 use ptm_harness::report::document::{CaseResult, Report};
 use ptm_suite::clauses::section_of;
 use ptm_suite::verdicts::outcome::Outcome;
@@ -34,9 +37,9 @@ fn tests(report: &Report) -> Vec<Test<'_>> {
     tests
 }
 
-/// Renders a report as `JUnit` XML.
+/// Renders a report as `JUnit` XML, with the start of the run and the times of the cases in seconds if they are known.
 #[must_use]
-pub fn junit(report: &Report) -> String {
+pub fn junit(report: &Report, times: Option<&Times>) -> String {
     let tests = tests(report);
     let [failures, errors, skipped] = ["failure", "error", "skipped"].map(|element| {
         let statuses = tests.iter().filter_map(|test| test.2.as_ref());
@@ -48,16 +51,20 @@ pub fn junit(report: &Report) -> String {
         ("robustness", report.scores.robustness.to_string()),
         ("verdict", report.verdict.to_string()),
     ];
+    let seconds = |time: Duration| format!("{:.3}", time.as_secs_f64());
+    let start = times.map(|times| humantime::format_rfc3339_seconds(times.start).to_string());
+    let total = times.map(|times| seconds(times.of_case.values().sum()));
+    let time_of = |name: &str| times?.of_case.get(name).copied().map(seconds);
     let xml = html! {
         (PreEscaped("<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"))
         testsuites name="ptm-conform" tests=(tests.len()) failures=(failures) errors=(errors) {
-            testsuite name=(report.decoder.command) tests=(tests.len()) failures=(failures) errors=(errors) skipped=(skipped) {
+            testsuite name=(report.decoder.command) tests=(tests.len()) failures=(failures) errors=(errors) skipped=(skipped) timestamp=[start] time=[total] {
                 properties {
                     @for (name, value) in &scores { property name=(name) value=(value) {} }
                 }
                 @for (class, name, element, stderr) in &tests {
                     "\n"
-                    testcase classname=(class) name=(name) {
+                    testcase classname=(class) name=(name) time=[time_of(name)] {
                         @if let Some((_, element)) = element { (element) }
                         @if !stderr.is_empty() { system-err { (stderr) } }
                     }

@@ -128,6 +128,11 @@ impl Page<'_> {
     fn write_cause(&self, cause: &LikelyCause, out: &mut String) -> fmt::Result {
         let (count, all) = (cause.explains.len(), self.failing.len());
         let (subject, behavior) = (self.report.suite.subject(), behavior(cause));
+        let result = |id: &String| self.failing.iter().find(|case| case.id == *id);
+        let mut explained = cause.explains.iter().filter_map(result);
+        if explained.all(|case| self.report.is_known(case)) {
+            return writeln!(out, "{count} known failures: the {subject} {behavior}.\n");
+        }
         writeln!(out, "{count} of {all} failures: the {subject} {behavior}.")?;
         for (before, name, after, _) in details(cause, self.report.suite) {
             writeln!(out, "  {before}{name}{after}")?;
@@ -144,7 +149,6 @@ impl Page<'_> {
         };
         writeln!(out, "  Fix: {}.{more}", cause.fix)?;
         // The example describes the first failure.
-        let result = |id: &String| self.failing.iter().find(|case| case.id == *id);
         for case in cause.explains.iter().filter_map(result).take(examples) {
             self.write_failure(case, out)?;
         }
@@ -154,6 +158,12 @@ impl Page<'_> {
     fn write_unexplained(&self, max_failures: usize, out: &mut String) -> fmt::Result {
         let mut unexplained = self.failing.clone();
         unexplained.retain(|case| self.report.cause_of(case).is_none());
+        let (known, unexplained): (Vec<_>, Vec<_>) = unexplained
+            .into_iter()
+            .partition(|case| self.report.is_known(case));
+        if !known.is_empty() {
+            writeln!(out, "{} known failures without a cause\n", known.len())?;
+        }
         if unexplained.is_empty() {
             return Ok(());
         }
@@ -208,7 +218,12 @@ impl Page<'_> {
             true => format!(" ({judged} of {all} cases selected)"),
             false => String::new(),
         };
-        writeln!(out, "{}: {}{selection}", report.verdict, report.counts())?;
+        // With a baseline, the last line of the output has the verdict.
+        let verdict = match &report.baseline {
+            Some(_) => "judged".to_owned(),
+            None => report.verdict.to_string(),
+        };
+        writeln!(out, "{verdict}: {}{selection}", report.counts())?;
         if report.verdict == Verdict::Fail && self.failing.is_empty() {
             writeln!(
                 out,

@@ -396,7 +396,7 @@ fn junit_output_can_be_parsed() {
     let last = report.cases.len() - 1;
     report.cases[last].outcome = Outcome::NotRun;
     report.cases[last - 1].outcome = Outcome::Unsupported;
-    let xml = junit::junit(&report);
+    let xml = junit::junit(&report, None);
     save_page("junit.xml", &xml);
     let count = |outcome: Outcome| report.with_outcome(outcome).count();
     let skipped =

@@ -206,7 +206,7 @@ fn three_timeouts_end_a_run_for_any_number_of_jobs() {
         assert_eq!(run.exit_status(), 1);
         let command = ["decoder".to_owned()];
         let report = Report::new(&suite, &run, &command, vec!["none".to_owned()]);
-        let xml = junit::junit(&report);
+        let xml = junit::junit(&report, None);
         let texts = SuiteTexts::new(&suite).expect("the texts can be read");
         let page = html::page(
             &texts,

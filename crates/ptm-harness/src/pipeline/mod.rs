@@ -22,6 +22,7 @@ pub mod subject;
 pub mod texture;
 #[cfg(test)]
 mod texture_unit;
+pub mod times;
 
 use std::any::Any;
 use std::collections::BTreeMap;
@@ -36,6 +37,7 @@ pub use observer::{Agenda, FinishedCase, FirstVerdicts, Observer, Stage};
 pub use subject::Subject;
 
 use recorder::ShardRecorder;
+use times::Stopwatch;
 
 use crate::report::document::Report;
 use crate::report::shards::{Circumstances, OtherRemarks};
@@ -160,13 +162,15 @@ pub fn check<C: Checkable>(
             recorder.record_answer(request, reply);
         }
     };
+    let times = Stopwatch::default();
     let ask = |request: &Request<'_, C::View>, worker: usize| {
-        let reply = subject.ask(request, worker);
+        let reply = times.measure(&[request.name], || subject.ask(request, worker));
         record(request, &reply);
         reply
     };
     let ask_pipelined = |requests: &[Request<'_, C::View>], worker: usize| {
-        let replies = subject.ask_pipelined(requests, worker);
+        let names: Vec<&str> = requests.iter().map(|request| request.name).collect();
+        let replies = times.measure(&names, || subject.ask_pipelined(requests, worker));
         for (request, reply) in requests.iter().zip(&replies) {
             record(request, reply);
         }
@@ -220,6 +224,7 @@ pub fn check<C: Checkable>(
         remarks.after.extend(remark);
     }
 
+    observer.times_measured(&times.times());
     observer.stage_began(&Stage::Report);
     let mut report = report_verdicts(check, &mut run, &remarks)?;
     observer
@@ -302,6 +307,9 @@ fn request_cases<C: Checkable>(
             answer: response.name(),
             is_wrong: !observation.is_open() && response.is_certain_failure(case.expect()),
         };
+        if finished.is_wrong {
+            check.plan.has_failure.store(true, Ordering::Relaxed);
+        }
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         observer.case_finished(&finished, done, total.load(Ordering::Relaxed));
     };

@@ -7,6 +7,7 @@ use std::sync::atomic::AtomicUsize;
 use std::time::Duration;
 
 use crate::pipeline::checkable::FoundCauses;
+use crate::pipeline::times::Times;
 use crate::report::document::Report;
 
 /// A stage of a check, in order. Stages without work may be missing.
@@ -89,6 +90,9 @@ pub trait Observer: Sync {
 
     /// The first cases have been judged.
     fn first_verdicts(&self, _first: &FirstVerdicts) {}
+
+    /// All requests have been sent, and took these times.
+    fn times_measured(&self, _times: &Times) {}
 
     /// A request was repeated: `done` of `total`.
     fn request_repeated(&self, _done: usize, _total: usize) {}

@@ -11,6 +11,7 @@ use crate::pipeline::checkable::FoundCauses;
 use crate::pipeline::observer::{FinishedCase, Observer, Stage};
 use crate::pipeline::recorder::ShardRecorder;
 use crate::pipeline::subject::Subject;
+use crate::pipeline::times::Stopwatch;
 use crate::pipeline::{Error, add_causes, search};
 use crate::report::document::Report;
 use crate::report::shards::Circumstances;
@@ -58,8 +59,9 @@ pub fn check(
     observer: &dyn Observer,
 ) -> Result<(TextureRun, Report), Error> {
     let (suite, plan, circumstances) = (check.suite, check.plan, &check.circumstances);
+    let times = Stopwatch::default();
     let ask = |request: &Request<'_, TextureView>, worker: usize| {
-        let reply = stage.ask(request, worker);
+        let reply = times.measure(&[request.name], || stage.ask(request, worker));
         if let Some(recorder) = &check.recorder {
             recorder.record_answer(request, &reply);
         }
@@ -86,6 +88,9 @@ pub fn check(
             answer: response.name(),
             is_wrong: !observation.is_open() && response.is_certain_failure(case.expectation()),
         };
+        if finished.is_wrong {
+            plan.has_failure.store(true, Ordering::Relaxed);
+        }
         observer.case_finished(&finished, done, total);
     };
     let observations = session.ask_questions(&contact, &finished);
@@ -101,6 +106,7 @@ pub fn check(
         return Err(Error::Trouble(trouble));
     }
 
+    observer.times_measured(&times.times());
     observer.stage_began(&Stage::Report);
     let remarks = stage.remarks();
     run.remarks.splice(0..0, remarks.before.iter().cloned());

@@ -6,7 +6,7 @@ use std::ffi::OsStr;
 use std::fs;
 use std::io::{self, Read};
 use std::os::unix::fs::PermissionsExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// The reason why a program cannot be started, and a remedy.
 pub(crate) type Obstacle = (String, String);
@@ -35,7 +35,8 @@ pub(crate) fn describe_start_failure(program: &OsStr, error: &io::Error) -> Stri
 pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     let here = Path::new(word);
     let is_path = word.as_encoded_bytes().contains(&b'/');
-    if here.is_dir() {
+    let found = (!is_path).then(|| find_in_path(word)).flatten();
+    if here.is_dir() && found.is_none() {
         return obstacle(
             format!("{text} is a directory"),
             "give the path of a program in the directory",
@@ -50,9 +51,7 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
     let Some(program) = (if is_path {
         Some(here.to_owned())
     } else {
-        let path = std::env::var_os("PATH");
-        let mut directories = path.iter().flat_map(std::env::split_paths);
-        directories.find_map(|directory| Some(directory.join(word)).filter(|file| file.is_file()))
+        found
     }) else {
         if here.is_file() {
             let says = format!(
@@ -92,6 +91,13 @@ pub(crate) fn check_program(word: &OsStr, text: &str) -> Result<(), Obstacle> {
         ));
     }
     check_beginning(text, &beginning)
+}
+
+/// Returns the file that a command without a directory names.
+pub(crate) fn find_in_path(word: &OsStr) -> Option<PathBuf> {
+    let path = std::env::var_os("PATH")?;
+    let mut files = std::env::split_paths(&path).map(|directory| directory.join(word));
+    files.find(|file| file.is_file())
 }
 
 /// Returns the message and the remedy for a command that was not found. The command may be several words passed as one.

@@ -12,6 +12,7 @@ use std::path::Path;
 use rustix::fs::{AtFlags, FileType, Mode, OFlags};
 use rustix::io::Errno;
 
+use crate::runner::start::find_in_path;
 use crate::runner::trouble::{Trouble, is_shortage};
 use ptm_suite::protocol::frame::Answer;
 
@@ -267,10 +268,12 @@ fn placeholder(text: &str) -> Option<(&str, &str)> {
 }
 
 /// Converts a word of a command to an absolute path if the word names an existing file. A program name without a directory is
-/// looked up only in PATH.
+/// looked up only in PATH, and so is another word that names both a program in PATH and a directory, such as `node` after `env`.
 pub(crate) fn make_absolute(word: &OsStr, is_program: bool) -> Result<OsString, String> {
     let path = Path::new(word);
-    let names_file = path.exists() && (!is_program || path.components().count() > 1);
+    let is_bare = path.components().count() == 1;
+    let is_command = is_bare && (is_program || path.is_dir() && find_in_path(word).is_some());
+    let names_file = path.exists() && !is_command;
     if names_file {
         let path =
             std::path::absolute(path).map_err(|error| format!("{}: {error}", word.display()))?;

@@ -40,6 +40,12 @@ pub struct RunPlan {
     /// Flag that is set when the user ends the run.
     #[serde(skip)]
     pub stop: Arc<AtomicBool>,
+    /// True if the run ends after the first failure.
+    #[serde(skip)]
+    pub fail_fast: bool,
+    /// Flag that is set at the first failure.
+    #[serde(skip)]
+    pub has_failure: Arc<AtomicBool>,
 }
 
 /// Selection of cases that are repeated in a new process to find nondeterminism.
@@ -81,9 +87,14 @@ impl RunPlan {
         }
     }
 
-    /// Returns true if the user has ended the run.
+    /// Returns true if the user has ended the run, or if it ends because of a failure.
     pub(crate) fn is_interrupted(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
+        self.stop.load(Ordering::Relaxed) || self.ends_after_failure()
+    }
+
+    /// Returns true if the run ends because of a failure.
+    pub(super) fn ends_after_failure(&self) -> bool {
+        self.fail_fast && self.has_failure.load(Ordering::Relaxed)
     }
 
     /// Returns true if a request that exceeded the time limit may be repeated alone.

@@ -63,6 +63,9 @@ impl Tally {
 
     /// Returns the reason why no more requests will be sent, if there is one.
     pub fn end_reason(&self, plan: &RunPlan) -> Option<String> {
+        if plan.ends_after_failure() {
+            return Some("the run ended after the first failure (--fail-fast)".to_owned());
+        }
         if plan.is_interrupted() {
             return Some("the run was interrupted".to_owned());
         }

@@ -1,7 +1,10 @@
 //! The last message that a crashed program printed.
 
 /// Prefixes of lines that interpreters print after the message: locations, versions and hints.
-const TRAILER_PREFIXES: [&str; 4] = ["at ", "Node.js v", "note: ", "}"];
+const TRAILER_PREFIXES: [&str; 6] = ["at ", "from ", "... ", "Node.js v", "note: ", "}"];
+
+/// The line with which Python begins the trace of an exception.
+const PYTHON_TRACE: &str = "Traceback (most recent call last):";
 
 /// Returns `separator`, a label and the last message on standard error, or an empty string if there is no message.
 #[must_use]
@@ -11,9 +14,17 @@ pub fn quote_last_message(separator: &str, stderr: &str) -> String {
     })
 }
 
-/// Returns the last line of standard error that looks like a message, if any.
+/// Returns the last line of standard error that looks like a message, if any. The locations in a trace are no messages.
 #[must_use]
 pub fn last_message(stderr: &str) -> Option<&str> {
+    if let Some((_, trace)) = stderr.rsplit_once(PYTHON_TRACE) {
+        // The message follows the indented locations, and may have several lines.
+        let mut lines = trace.lines().filter(|line| !line.is_empty());
+        let message = lines.find(|line| !line.starts_with([' ', '\t']));
+        if let Some(message) = message {
+            return Some(message.trim_end());
+        }
+    }
     let lines = stderr.lines().rev().map(str::trim_end);
     let mut messages = lines.filter(|line| !line.is_empty());
     let is_trailer = |line: &&str| {
@@ -37,6 +48,15 @@ mod tests {
         let python =
             "Traceback (most recent call last):\n  File \"d.py\", line 1\nValueError: bad\n";
         assert_eq!(last_message(python), Some("ValueError: bad"));
+        let two_lines = python.replace("bad", "bad\nvery bad");
+        assert_eq!(last_message(&two_lines), Some("ValueError: bad"));
+        let ruby = "d.rb:9:in 'header': bad (ArgumentError)\n\tfrom d.rb:98:in '<main>'\n";
+        assert_eq!(
+            last_message(ruby),
+            Some("d.rb:9:in 'header': bad (ArgumentError)")
+        );
+        let java = "Exception in thread \"main\" E: outer\n\tat D.main(D.java:3)\nCaused by: E: bad\n\tat D.f(D.java:9)\n\t... 1 more\n";
+        assert_eq!(last_message(java), Some("Caused by: E: bad"));
         assert_eq!(last_message("\n"), None);
         assert_eq!(last_message("note: this is all"), Some("note: this is all"));
     }
