@@ -14,19 +14,24 @@ use super::subject::{Answers, NamedDecoder, decoder_for_command};
 use super::terminal::print_styled;
 use super::{CommandResult, own_files};
 use crate::report::html::{self, Evidence};
+use ptm::Format;
 use ptm_harness::pipeline::checkable::find_misreadings;
 use ptm_harness::pipeline::subject::{OneShot, Program, RunningProgram, Subject};
 use ptm_harness::pipeline::texture::TextureCheck;
 use ptm_harness::pipeline::{self, Check, Checked};
 use ptm_harness::report::shards::Circumstances;
+use ptm_harness::runner::run::Decoder;
+use ptm_harness::runner::scratch::Scratch;
 use ptm_harness::runner::{processes, serve::Servers};
 use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_harness::session::probe::ProbeStep;
 use ptm_harness::session::texture_stage;
 use ptm_harness::strength::smoke;
+use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::Request;
-use ptm_suite::test_case::Listed;
-use ptm_suite::{cases::Suite, texture::cases::TextureView};
+use ptm_suite::test_case::{Listed, TestCase};
+use ptm_suite::texture::cases::TextureView;
 
 /// Runs a suite.
 pub fn run(args: &CheckArgs) -> CommandResult {
@@ -53,11 +58,20 @@ pub fn run(args: &CheckArgs) -> CommandResult {
 
 fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     let suite = Suite::load()?;
-    let smoke = smoke::selection(&suite)?;
+    let smoke = smoke::selection(&suite, &Format::ALL)?;
     let is_of_format =
         |i: usize| args.formats.is_empty() || args.formats.contains(&suite.cases[i].format());
-    let selected = args.select_cases(&suite, |i| (!args.smoke || smoke[i]) && is_of_format(i))?;
+    let smoke_of = |formats: &[Format]| match args.smoke {
+        true => smoke::selection(&suite, formats),
+        false => Ok(vec![true; suite.cases.len()]),
+    };
     if args.list {
+        let smoke = smoke_of(if args.formats.is_empty() {
+            &Format::ALL
+        } else {
+            &args.formats
+        })?;
+        let selected = args.select_cases(&suite, |i| smoke[i] && is_of_format(i))?;
         return Ok(list_cases(&suite, &selected));
     }
     reject_unknown_misreadings(&args.assumed)?;
@@ -66,6 +80,16 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     let guarded = ScratchGuard::new()?;
     let scratch = &guarded.scratch;
     let capabilities = decoder.query_capabilities(args, scratch);
+    // The parts of a run must have the same cases, so they do not depend on the answers.
+    let chosen = match decoder.program() {
+        _ if !args.formats.is_empty() => args.formats.clone(),
+        Some(program) if args.smoke && args.shard.is_none() => {
+            supported_formats(program, &suite, scratch)
+        }
+        _ => Format::ALL.to_vec(),
+    };
+    let in_smoke = smoke_of(&chosen)?;
+    let selected = args.select_cases(&suite, |i| in_smoke[i] && is_of_format(i))?;
     if let (Some(directory), Some(program)) = (&args.files, decoder.program()) {
         return own_files::check(directory, &args.views, &args.run.report, program, scratch);
     }
@@ -138,6 +162,32 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     let status = display.finish(run.ending(), report, &evidence)?;
     print_commands(args, &faults);
     Ok(status)
+}
+
+/// Returns the formats of the first files that the program decodes in any view, or all formats if it decodes none.
+fn supported_formats(program: &Decoder, suite: &Suite, scratch: &Scratch) -> Vec<Format> {
+    let first: Vec<&Case> = suite.cases.iter().filter(|case| case.first).collect();
+    let is_decoded = |case: &&Case, table: TableSpelling| {
+        let built = case.build(table);
+        case.views.iter().any(|view| {
+            let request = Request::new(&case.id, view, &built.file, case.max_output_bytes(&built));
+            matches!(program.ask(&request, scratch).answer, Answer::Decoded(_))
+        })
+    };
+    let is_supported = |format: &Format| {
+        let mut cases = first.iter().filter(|case| case.format() == *format);
+        let spellings = if format.has_table() { 6 } else { 1 };
+        cases.any(|case| {
+            TableSpelling::all()
+                .take(spellings)
+                .any(|table| is_decoded(case, table))
+        })
+    };
+    let supported: Vec<Format> = Format::ALL.into_iter().filter(is_supported).collect();
+    match supported.is_empty() {
+        true => Format::ALL.to_vec(),
+        false => supported,
+    }
 }
 
 /// Prints the ids of the selected cases. Returns the exit status.

@@ -85,7 +85,8 @@ pub struct CheckArgs {
     /// End the run after the first failure.
     #[arg(long)]
     pub fail_fast: bool,
-    /// Run only the smoke subset: a few cases that catch every misreading in the catalog if the decoder supports all formats.
+    /// Run only the smoke subset: a few cases that catch every misreading in the catalog if the decoder supports all formats. Of a
+    /// decoder that supports some, the subsets of its formats are run.
     #[arg(long)]
     pub smoke: bool,
     /// Ask all files of every feature. Without this option, if the decoder exits with 69 (unsupported) for the first files that need

@@ -2,6 +2,7 @@
 
 use std::process::ExitCode;
 
+use clap::error::ContextKind;
 use clap::{CommandFactory, Parser, Subcommand};
 
 /// Conformance suite and reference decoder for Polynomial Texture Maps (PTM 1.2).
@@ -68,7 +69,11 @@ enum Command {
 pub fn run() -> ExitCode {
     #[cfg(unix)]
     super::guard::override_signal_dispositions();
-    let cli = Cli::parse();
+    let cli = Cli::try_parse().unwrap_or_else(|mut error| {
+        // The tip to write `-- --option` is never the answer: the option would be passed to the decoder.
+        error.remove(ContextKind::Suggested);
+        error.exit()
+    });
     cli.global.apply();
     let outcome = match cli.command {
         #[cfg(unix)]

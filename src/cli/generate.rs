@@ -12,6 +12,8 @@ use ptm::Format;
 use ptm_files::profiles::{self, Profile};
 #[cfg(unix)]
 use ptm_harness::session::outputs;
+#[cfg(unix)]
+use ptm_harness::strength::smoke;
 use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::corpus;
 #[cfg(unix)]
@@ -45,8 +47,12 @@ pub struct GenerateArgs {
     /// Write a corpus for other projects: minimal, standard or exhaustive.
     #[arg(long, value_name = "PROFILE", conflicts_with = "all")]
     profile: Option<Profile>,
-    /// With a profile, write only files of this format, such as LRGB or JPEG_RGB. Repeatable.
-    #[arg(long = "ptm-format", value_name = "FORMAT", requires = "profile", value_parser = super::arguments::parse_format)]
+    /// With --requests, write only those of the smoke subset.
+    #[cfg(unix)]
+    #[arg(long, requires = "requests")]
+    smoke: bool,
+    /// With a profile or --requests, write only files of this format, such as LRGB or JPEG_RGB. Repeatable.
+    #[arg(long = "ptm-format", value_name = "FORMAT", value_parser = super::arguments::parse_format)]
     formats: Vec<Format>,
     /// Also write files over 4 KiB.
     #[arg(long)]
@@ -59,6 +65,23 @@ pub struct GenerateArgs {
 /// Writes the corpus, the requests or the profile.
 pub fn run(args: &GenerateArgs) -> CommandResult {
     let (mut suite, formats) = (Suite::load()?, &args.formats);
+    let selects_formats = args.profile.is_some() || args.case.is_some();
+    #[cfg(unix)]
+    let selects_formats = selects_formats || args.requests.is_some();
+    if !formats.is_empty() && !selects_formats {
+        return Err("--ptm-format needs --profile, --requests or --case"
+            .to_owned()
+            .into());
+    }
+    #[cfg(unix)]
+    if args.smoke {
+        let smoke = smoke::ids(if formats.is_empty() {
+            &Format::ALL
+        } else {
+            formats
+        })?;
+        suite.cases.retain(|case| smoke.contains(&case.id));
+    }
     suite
         .cases
         .retain(|case| formats.is_empty() || formats.contains(&case.format()));

@@ -164,7 +164,7 @@ fn convert(command: &ReportCommand, reports: &[Report], texts: &SuiteTexts) -> C
         ReportCommand::Html { output, .. } => {
             let page = match reports {
                 [report] => html::page_without_images(texts, report),
-                reports => html::matrix(reports, &texts.clauses, suite_size)?,
+                reports => html::matrix(reports, texts)?,
             };
             super::files::write_atomically(output, page)?;
             Ok(0)

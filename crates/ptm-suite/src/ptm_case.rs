@@ -42,6 +42,10 @@ impl Listed for Case {
         self.because.clone()
     }
 
+    fn format_name(&self) -> Option<&'static str> {
+        Some(self.format().short_name())
+    }
+
     fn expectation_name(&self) -> &'static str {
         self.expect.name()
     }

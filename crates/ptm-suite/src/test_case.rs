@@ -30,6 +30,10 @@ pub trait Listed: Sized {
     fn expectation_name(&self) -> &'static str;
     /// Returns a digest of all requests and expected results, in order.
     fn digest(suite: &Suite<Self>) -> String;
+    /// Returns the short name of the format of the file, if there is one.
+    fn format_name(&self) -> Option<&'static str> {
+        None
+    }
     /// Returns each ruling that allows several readings, with the reading of the reference.
     #[must_use]
     fn reference_readings() -> Vec<(&'static str, &'static str)> {

@@ -1,11 +1,13 @@
 //! Map of all clauses of the specification, colored by the results of the run.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use maud::{Markup, html};
 
 use crate::report::html::shell::link;
+use ptm::Format;
 use ptm_harness::report::document::Report;
+use ptm_harness::report::suite_texts::SuiteTexts;
 use ptm_suite::clauses::{Clause, ClauseStatus, section_of};
 use ptm_suite::name::SuiteName;
 use ptm_suite::verdicts::outcome::Outcome;
@@ -29,15 +31,39 @@ impl ClauseTally {
         let mut tallies: BTreeMap<&str, ClauseTally> = BTreeMap::new();
         for (clauses, outcome) in results {
             for clause in clauses {
-                let tally = tallies.entry(clause).or_default();
-                *match outcome {
-                    Outcome::Pass => &mut tally.passed,
-                    Outcome::Fail => &mut tally.failed,
-                    _ => &mut tally.open,
-                } += 1;
+                tallies.entry(clause).or_default().add(outcome);
             }
         }
         tallies
+    }
+
+    /// Counts a result.
+    pub(crate) fn add(&mut self, outcome: Outcome) {
+        *match outcome {
+            Outcome::Pass => &mut self.passed,
+            Outcome::Fail => &mut self.failed,
+            _ => &mut self.open,
+        } += 1;
+    }
+
+    /// Returns a style that colors a cell by the share of failed cases, if there are any.
+    pub(crate) fn heat(self) -> Option<String> {
+        let share = 100 * self.failed / (self.passed + self.failed).max(1);
+        (self.failed > 0).then(|| format!("--share:{}%", 20 + 80 * share / 100))
+    }
+
+    /// Renders the tally as a small cell: the number of failed cases, or a symbol.
+    fn heat_cell(self, section: &str, format: &str) -> Markup {
+        let (state, mark) = self.state();
+        let says = format!(
+            "{section}, {format}: {} passed, {} failed, {} open",
+            self.passed, self.failed, self.open
+        );
+        html! {
+            td data-state=(state) style=[self.heat()] title=(says) {
+                @if self.failed > 0 { (self.failed) } @else { (mark) }
+            }
+        }
     }
 
     /// Returns the state of the clause as a word and a symbol.
@@ -55,9 +81,77 @@ impl ClauseTally {
         let (state, mark) = self.state();
         let judged = self.passed + self.failed;
         html! {
-            td.result data-state=(state) {
+            td.result data-state=(state) style=[self.heat()] {
                 (mark) " "
                 @if judged > 0 { (self.passed) span { "/" (judged) } } @else if self.open > 0 { span { (self.open) " open" } }
+            }
+        }
+    }
+}
+
+/// Results of a run for the cases of each format, and of each section and format.
+pub(super) struct FormatTallies<'a> {
+    /// The formats of the suite, in the order of the specification.
+    pub formats: Vec<&'static str>,
+    by_section: BTreeMap<(&'a str, &'static str), ClauseTally>,
+    by_format: BTreeMap<&'static str, ClauseTally>,
+}
+
+impl<'a> FormatTallies<'a> {
+    /// Counts the results of a report. A case counts once for each section of its clauses.
+    pub(super) fn new(report: &'a Report, texts: &SuiteTexts) -> FormatTallies<'a> {
+        let mut tallies = FormatTallies {
+            formats: Format::ALL.map(Format::short_name).to_vec(),
+            by_section: BTreeMap::new(),
+            by_format: BTreeMap::new(),
+        };
+        for case in &report.cases {
+            let Some(&format) = texts.formats.get(&case.id) else {
+                continue;
+            };
+            let sections: BTreeSet<&str> = case.clauses.iter().map(|id| section_of(id)).collect();
+            for section in sections {
+                tallies
+                    .by_section
+                    .entry((section, format))
+                    .or_default()
+                    .add(case.outcome);
+            }
+            tallies
+                .by_format
+                .entry(format)
+                .or_default()
+                .add(case.outcome);
+        }
+        tallies
+    }
+
+    /// Returns the results for a format.
+    pub(super) fn of_format(&self, format: &str) -> ClauseTally {
+        self.by_format.get(format).copied().unwrap_or_default()
+    }
+
+    /// Renders the sections as rows and the formats as columns.
+    pub(super) fn markup(&self) -> Markup {
+        let sections: BTreeSet<&str> = self.by_section.keys().map(|key| key.0).collect();
+        html! {
+            @if !self.by_section.is_empty() {
+                div.scroll tabindex="0" {
+                    table.sections {
+                        caption { "Sections of the specification and formats: failed cases, or ✓ if all judged cases passed" }
+                        thead { tr { th scope="col" { "section" } @for format in &self.formats { th scope="col" { span { (format) } } } } }
+                        tbody {
+                            @for section in sections {
+                                tr {
+                                    th scope="row" { (section) }
+                                    @for format in &self.formats {
+                                        (self.by_section.get(&(section, *format)).copied().unwrap_or_default().heat_cell(section, format))
+                                    }
+                                }
+                            }
+                        }
+                    }
+                }
             }
         }
     }

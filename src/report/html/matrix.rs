@@ -2,22 +2,27 @@
 
 use maud::{Markup, html};
 
-use crate::report::html::clause_map::{group_by_section, tallies};
+use crate::report::html::clause_map::{FormatTallies, group_by_section, tallies};
 use crate::report::html::shell::{complete_page, link, verdict_mark};
 use ptm_harness::report::document::{LikelyCause, Report};
-use ptm_suite::clauses::Clause;
+use ptm_harness::report::suite_texts::SuiteTexts;
 
-/// Renders a table with one column per report and one row per clause that a case tests. All reports must be for the same suite,
-/// which has `suite_size` cases.
+/// Renders a table with one column per report, and one row for each format and for each clause that a case tests. All reports must be
+/// for the suite of these texts.
 ///
 /// # Errors
 /// Returns an error if there are no reports or they are for different suites.
-pub fn matrix(reports: &[Report], clauses: &[Clause], suite_size: usize) -> Result<String, String> {
+pub fn matrix(reports: &[Report], texts: &SuiteTexts) -> Result<String, String> {
+    let (clauses, suite_size) = (&texts.clauses[..], texts.cases.len());
     let suite = reports.first().ok_or("no reports")?.suite;
     if reports.iter().any(|report| report.suite != suite) {
         return Err("these reports are from different suites".to_owned());
     }
     let tallies: Vec<_> = reports.iter().map(tallies).collect();
+    let by_format = reports
+        .iter()
+        .map(|report| FormatTallies::new(report, texts));
+    let by_format: Vec<_> = by_format.collect();
     let is_first = |report: &Report| report.tool.corpus == reports[0].tool.corpus;
     let body = html! {
         header.top {
@@ -48,6 +53,14 @@ pub fn matrix(reports: &[Report], clauses: &[Clause], suite_size: usize) -> Resu
                         (row("breadth", reports, |report| html! { (report.scores.breadth) }))
                         (row("robustness", reports, |report| html! { (report.scores.robustness) }))
                         (row("likely mistakes", reports, |report| cause_list(&report.diagnoses)))
+                    }
+                    @if !texts.formats.is_empty() {
+                        tbody {
+                            tr.section { th colspan=(reports.len() + 1) scope="rowgroup" { "Formats" } }
+                            @for format in &by_format[0].formats {
+                                tr { th scope="row" { (format) } @for tallies in &by_format { (tallies.of_format(format).cell()) } }
+                            }
+                        }
                     }
                     @for (section, clauses) in group_by_section(clauses) {
                         tbody {

@@ -3,6 +3,7 @@
 use maud::{Markup, html};
 
 use crate::report::html::cases::{EvidenceMarkup, Group, evidence, failures, groups};
+use crate::report::html::clause_map::FormatTallies;
 use crate::report::html::diagnosis::{diagnosis, next_steps};
 use crate::report::html::evidence::Evidence;
 use crate::report::html::shell::{complete_page, link, mark, verdict_mark};
@@ -45,7 +46,10 @@ fn page_with(
             } @else {
                 div.first {
                     (diagnosis(report, groups, &texts.clauses))
-                    @if let Some(scene) = scene.flatten().filter(|scene| is_telling(scene, report)) { (scene::figure(scene)) }
+                    aside {
+                        @if let Some(scene) = scene.flatten().filter(|scene| is_telling(scene, report)) { (scene::figure(scene)) }
+                        @if report.with_outcome(Outcome::Fail).next().is_some() { (FormatTallies::new(report, texts).markup()) }
+                    }
                 }
             }
             @if !report.cases.is_empty() {

@@ -61,7 +61,11 @@ fn commands_have_the_expected_status_and_output() {
 5 | check --case hand-lom | did you mean hand-lum
 2 | explain hand-lom | did you mean hand-lum
 2 | explain row-top-down | rows-top-down
-2 | explain ptm-e07 | PTM-E070
+0 | explain ptm-e07 | PTM-E070: && PTM-E071:
+0 | explain nentries | cases:
+0 | explain first-jpegls-rgb | more of this clause; --all lists them
+0 | check --list --ptm-format LRGB --case 'first-*' --skip '*line' | first-lrgb
+2 | check --x | unexpected argument '--x'
 2 | explain zzz | explain lists all
 3 | check --case hand-lum --report /dev/null -- sh -c 'exit 127' | not a decoder
 0 | check --help | DECODER && VIEW && 65 && 69 && Exit status && Examples

@@ -103,7 +103,7 @@ impl Observer for Log {
 
 /// Returns a plan with the smoke subset first, as the program makes it.
 fn plan(suite: &Suite) -> RunPlan {
-    let smoke = smoke::ids().expect("a list of ids");
+    let smoke = smoke::ids(&ptm::Format::ALL).expect("a list of ids");
     RunPlan {
         prioritized: suite
             .cases

@@ -61,7 +61,7 @@ fn render(suite: &Suite, report: &Report, run: &Run) -> String {
 
 fn matrix(reports: &[Report]) -> Result<String, String> {
     let texts = texts(&run_upside_down().0);
-    html::matrix(reports, &texts.clauses, texts.cases.len())
+    html::matrix(reports, &texts)
 }
 
 fn failures(report: &Report) -> usize {

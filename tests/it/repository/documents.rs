@@ -32,7 +32,9 @@ fn with_commas(number: usize) -> String {
 fn counts_in_documents_equal_those_of_the_program() {
     let suite = Suite::load().expect("the suite loads");
     let (cases, misreadings) = (with_commas(suite.cases.len()), ptm_mistakes::all().count());
-    let smoke = smoke::ids().expect("the smoke subset").len();
+    let smoke = smoke::ids(&ptm::Format::ALL)
+        .expect("the smoke subset")
+        .len();
     let stages = Suite::load_texture()
         .expect("the texture suite")
         .cases

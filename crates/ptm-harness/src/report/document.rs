@@ -9,6 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::diagnose::Category;
 use crate::report::leniency::Leniency;
+use crate::report::words::{CALLER_COMMAND, for_functions};
 use crate::session::remark::Remark;
 use ptm_suite::kit::{digest::sha256, yaml::to_yaml};
 use ptm_suite::name::SuiteName;
@@ -266,6 +267,29 @@ impl Report {
     pub fn with_outcome(&self, outcome: Outcome) -> impl Iterator<Item = &CaseResult> {
         let cases = self.cases.iter();
         cases.filter(move |case| case.outcome == outcome)
+    }
+
+    /// If the decoder is a function, replaces words about programs in all texts.
+    pub fn speak_of_functions(&mut self) {
+        if self.decoder.command != CALLER_COMMAND {
+            return;
+        }
+        let causes = self.diagnoses.iter_mut();
+        let of_causes = causes.flat_map(|cause| {
+            [
+                Some(&mut cause.effect),
+                Some(&mut cause.fix),
+                cause.example.as_mut(),
+            ]
+        });
+        let texts = of_causes
+            .flatten()
+            .chain(&mut self.reason)
+            .chain(self.remarks.iter_mut().map(|remark| &mut remark.message))
+            .chain(self.cases.iter_mut().map(|case| &mut case.message));
+        for text in texts {
+            *text = for_functions(text);
+        }
     }
 
     /// Returns true if the baseline given with `--baseline` lists this failure.

@@ -1,5 +1,7 @@
 //! Texts of a suite that reports show. With them, the same code renders reports on any suite.
 
+use std::collections::HashMap;
+
 use ptm_suite::cases::Suite;
 use ptm_suite::clauses::{self, Clause, Ruling};
 use ptm_suite::{name::SuiteName, test_case::Listed, texture};
@@ -8,6 +10,8 @@ use ptm_suite::{name::SuiteName, test_case::Listed, texture};
 pub struct SuiteTexts {
     /// Id and purpose of each case.
     pub cases: Vec<(String, String)>,
+    /// The short name of the format of each case, by id; empty if the cases have no format.
+    pub formats: HashMap<String, &'static str>,
     /// The clauses that the suite tests.
     pub clauses: Vec<Clause>,
     /// The rulings on open questions of the specification.
@@ -31,6 +35,11 @@ impl SuiteTexts {
         };
         Ok(SuiteTexts {
             cases: suite.cases.iter().map(purpose).collect(),
+            formats: suite
+                .cases
+                .iter()
+                .filter_map(|case| Some((case.id().to_owned(), case.format_name()?)))
+                .collect(),
             clauses,
             rulings,
             reference_readings: C::reference_readings(),

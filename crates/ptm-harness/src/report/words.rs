@@ -55,6 +55,54 @@ pub fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
 /// Name shown in reports if the decoder is a function in the process that started ptm-conform.
 pub const CALLER_COMMAND: &str = "a function of the caller";
 
+/// Words about programs, and what they mean for a function: it raises exceptions instead of exiting with a status. Longer words
+/// precede the shorter ones that they contain.
+const FOR_FUNCTIONS: [(&str, &str); 15] = [
+    (
+        "exits with exit status 65",
+        "raises the exception for malformed files",
+    ),
+    (
+        "exits with exit status 69",
+        "raises the exception for unsupported files",
+    ),
+    (
+        "exit with status 65",
+        "raise the exception for malformed files",
+    ),
+    (
+        "exits with status 65",
+        "raises the exception for malformed files",
+    ),
+    (
+        "exits with status 69",
+        "raises the exception for unsupported files",
+    ),
+    ("exits with 65", "raises the exception for malformed files"),
+    (
+        "exits with 69 (unsupported)",
+        "raises the exception for unsupported files",
+    ),
+    (
+        "exits with 69",
+        "raises the exception for unsupported files",
+    ),
+    ("exit with 65", "raise the exception for malformed files"),
+    ("exit with 69", "raise the exception for unsupported files"),
+    ("exit status 65", "the exception for malformed files"),
+    ("exit status 69", "the exception for unsupported files"),
+    ("last line of its standard error", "its message"),
+    ("on standard error", "as a message"),
+    ("standard error", "message"),
+];
+
+/// Returns a text about a function instead of a program.
+#[must_use]
+pub fn for_functions(text: &str) -> String {
+    let replace = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
+    FOR_FUNCTIONS.iter().fold(text.to_owned(), replace)
+}
+
 /// Returns lines that explain how the program under test is called.
 #[must_use]
 pub fn call_instructions(suite: SuiteName, command: &str) -> String {

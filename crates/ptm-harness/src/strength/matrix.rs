@@ -21,6 +21,7 @@ use ptm_suite::verdicts::outcome::Outcome;
 use ptm_texture::Rules;
 
 /// Results of a suite for a decoder with one mistake.
+#[derive(Clone)]
 pub struct MatrixRow<A: 'static = ptm_mistakes::Change> {
     /// Mistake of the decoder.
     pub misreading: &'static Misreading<A>,

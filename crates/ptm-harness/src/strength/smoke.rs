@@ -1,38 +1,45 @@
 //! The smoke subset: a small set of cases that still catches every misreading.
 //!
 //! It is computed greedily: the case that catches the most remaining misreadings is added until none remain. Then, cases that
-//! have become unnecessary are removed. `spec-cases/smoke.yaml` lists the cases, and `ptm-conform coverage --write-smoke` updates
+//! have become unnecessary are removed. `spec-cases/smoke.yaml` lists the cases for decoders that read all formats, and for each
+//! format the cases that catch every misreading which any case of this format catches. `ptm-conform coverage --write-smoke` updates
 //! it.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::strength::matrix::MatrixRow;
+use ptm::Format;
 use ptm_suite::cases::Suite;
 use ptm_suite::kit::yaml::from_yaml;
 
-/// Embedded list of case ids.
-const SMOKE_LIST: &str = ptm_spec_cases::SMOKE;
+/// Embedded lists of case ids.
+const SMOKE_LISTS: &str = ptm_spec_cases::SMOKE;
 
-/// Returns the ids of the cases in the subset.
+/// Name of the list for decoders that read all formats.
+const ALL: &str = "all";
+
+/// Returns the ids of the cases for a decoder that reads these formats.
 ///
 /// # Errors
 /// Returns a message that names the offending line.
-pub fn ids() -> Result<Vec<String>, String> {
-    from_yaml(SMOKE_LIST).map_err(|error| format!("smoke.yaml: {error}"))
+pub fn ids(formats: &[Format]) -> Result<Vec<String>, String> {
+    let mut lists: BTreeMap<String, Vec<String>> =
+        from_yaml(SMOKE_LISTS).map_err(|error| format!("smoke.yaml: {error}"))?;
+    let names: Vec<&str> = match Format::ALL.iter().all(|format| formats.contains(format)) {
+        true => vec![ALL],
+        false => formats.iter().map(|format| format.short_name()).collect(),
+    };
+    let lists = names.iter().filter_map(|&name| lists.remove(name));
+    Ok(lists.flatten().collect())
 }
 
-/// Returns one flag per case: true if the case is in the subset.
+/// Returns one flag per case: true if the case is in the subset for a decoder that reads these formats.
 ///
 /// # Errors
 /// Returns an error if the list names an unknown case.
-pub fn selection(suite: &Suite) -> Result<Vec<bool>, String> {
-    let ids = ids()?;
-    if ids.is_empty() {
-        return Err(
-            "the smoke subset has not been computed: run ptm-conform coverage --write-smoke spec-cases/smoke.yaml, then build again"
-                .to_owned(),
-        );
-    }
+pub fn selection(suite: &Suite, formats: &[Format]) -> Result<Vec<bool>, String> {
+    let ids = ids(formats)?;
     if let Some(unknown) = ids.iter().find(|id| suite.case(id).is_none()) {
         return Err(format!("smoke.yaml: unknown case {unknown}"));
     }
@@ -76,15 +83,28 @@ pub fn choose_cases(suite: &Suite, rows: &[MatrixRow]) -> Vec<usize> {
     chosen
 }
 
-/// Formats the list as it is stored in `smoke.yaml`.
+/// Returns the smallest sets that were found, as they are stored in `smoke.yaml`: for all formats, and for each format.
 #[must_use]
-pub fn to_yaml(suite: &Suite, chosen: &[usize]) -> String {
+pub fn to_yaml(suite: &Suite, rows: &[MatrixRow]) -> String {
     let mut text = String::from(
-        "# A small set of cases that catches every misreading in the catalog: `ptm-conform check --smoke`.\n\
+        "# Small sets of cases for `ptm-conform check --smoke`. The first one catches every misreading in the catalog; the one of a format\n\
+         # catches every misreading that a case of this format catches.\n\
          # Computed, not chosen: `ptm-conform coverage --write-smoke spec-cases/smoke.yaml` regenerates it.\n",
     );
-    for &i in chosen {
-        let _ = writeln!(text, "- {}", suite.cases[i].id);
+    let mut write_list = |name: &str, rows: &[MatrixRow]| {
+        let _ = writeln!(text, "{name}:");
+        for i in choose_cases(suite, rows) {
+            let _ = writeln!(text, "- {}", suite.cases[i].id);
+        }
+    };
+    write_list(ALL, rows);
+    for format in Format::ALL {
+        let is_of_format = |i: &usize| suite.cases[*i].format() == format;
+        let mut of_format = rows.to_vec();
+        for row in &mut of_format {
+            row.killed_by.retain(is_of_format);
+        }
+        write_list(format.short_name(), &of_format);
     }
     text
 }

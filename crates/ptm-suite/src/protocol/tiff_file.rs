@@ -31,6 +31,8 @@ const PALETTE_COLORS: usize = 256;
 /// The first directory of a TIFF.
 pub(super) struct Directory {
     entries: Vec<(u16, Vec<usize>)>,
+    /// The offset of the color space.
+    photometric_at: usize,
     /// The offset of the next page, or 0.
     next: usize,
     /// The end of the last part of the file that the directory refers to.
@@ -130,8 +132,12 @@ impl Directory {
     /// Decodes an image with a palette to red, green and blue of every texel. The palette has 16 bits per color, of which the high
     /// byte is used.
     pub fn read_palette(&self, bytes: &[u8]) -> Result<Vec<u8>> {
+        // The `tiff` crate decodes the indices only as levels of gray.
+        let mut gray = bytes.to_vec();
+        let level = if bytes[0] == b'M' { [0, 1] } else { [1, 0] };
+        gray[self.photometric_at..self.photometric_at + 2].copy_from_slice(&level);
         let to_text = |error: tiff::TiffError| error.to_string();
-        let mut decoder = Decoder::new(Cursor::new(bytes)).map_err(to_text)?;
+        let mut decoder = Decoder::new(Cursor::new(gray)).map_err(to_text)?;
         let DecodingResult::U8(indices) = decoder.read_image().map_err(to_text)? else {
             return Error::invalid("the indices of the palette are not bytes");
         };
@@ -182,6 +188,7 @@ impl<'a> Numbers<'a> {
         let count = self.at(start, 2)?;
         let mut directory = Directory {
             entries: Vec::new(),
+            photometric_at: 0,
             next: self.at(start + 2 + 12 * count, 4)?,
             end: start + 2 + 12 * count + 4,
         };
@@ -192,6 +199,9 @@ impl<'a> Numbers<'a> {
                 self.at(at + 2, 2)?,
                 self.at(at + 4, 4)?,
             );
+            if tag == PHOTOMETRIC {
+                directory.photometric_at = at + 8;
+            }
             let length = match kind {
                 1 | 2 | 6 | 7 => 1,
                 3 | 8 => 2,
@@ -228,5 +238,106 @@ impl<'a> Numbers<'a> {
             directory.end = directory.end.max(end.unwrap_or_default());
         }
         Some(directory)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::io::Cursor;
+
+    use tiff::encoder::TiffEncoder;
+    use tiff::tags::Tag;
+
+    use crate::protocol::frame::Samples;
+    use crate::protocol::image_file::read;
+
+    /// Writes a TIFF of 2 × 1 texels with one byte per texel, and additional tags.
+    fn gray_tiff(photometric: u16, tags: &[(Tag, u16)], palette: &[u16], pages: usize) -> Vec<u8> {
+        let mut out = Cursor::new(Vec::new());
+        let mut encoder = TiffEncoder::new(&mut out).expect("a file in memory");
+        for _ in 0..pages {
+            let mut directory = encoder.image_directory().expect("a directory");
+            let offset = directory.write_data(&[7_u8, 200][..]).expect("samples") as u32;
+            let usual = [
+                (Tag::ImageWidth, 2),
+                (Tag::ImageLength, 1),
+                (Tag::BitsPerSample, 8),
+                (Tag::Compression, 1),
+                (Tag::PhotometricInterpretation, photometric),
+                (Tag::SamplesPerPixel, 1),
+                (Tag::RowsPerStrip, 1),
+            ];
+            for (tag, value) in usual.iter().chain(tags) {
+                directory.write_tag(*tag, *value).expect("a tag");
+            }
+            directory
+                .write_tag(Tag::StripOffsets, offset)
+                .expect("a tag");
+            directory
+                .write_tag(Tag::StripByteCounts, 2_u32)
+                .expect("a tag");
+            if !palette.is_empty() {
+                directory.write_tag(Tag::ColorMap, palette).expect("a tag");
+            }
+            directory.finish().expect("a directory");
+        }
+        out.into_inner()
+    }
+
+    fn result(file: &[u8]) -> Result<Vec<u8>, String> {
+        match read(file, 1 << 10).expect("a TIFF") {
+            Ok(frame) => match frame.samples {
+                Samples::U8(samples) => Ok(samples),
+                Samples::F32(_) => Err("floats".to_owned()),
+            },
+            Err(error) => Err(error.to_string()),
+        }
+    }
+
+    #[test]
+    fn palettes_are_read() {
+        let palette: Vec<u16> = (0..768).map(|i| (i % 256 * 256 + i / 256) as u16).collect();
+        assert_eq!(
+            result(&gray_tiff(3, &[], &palette, 1)),
+            Ok(vec![7, 7, 7, 200, 200, 200])
+        );
+        let error = result(&gray_tiff(3, &[], &palette[..6], 1)).expect_err("a short palette");
+        assert!(error.contains("6 numbers instead of 768"), "{error}");
+    }
+
+    #[test]
+    fn files_that_other_programs_show_differently_are_refused() {
+        let gray = || Ok(vec![7, 7, 7, 200, 200, 200]);
+        assert_eq!(result(&gray_tiff(1, &[], &[], 1)), gray());
+        assert_eq!(
+            result(&gray_tiff(1, &[(Tag::Orientation, 1)], &[], 1)),
+            gray()
+        );
+        let trailing = [gray_tiff(1, &[], &[], 1), b"more".to_vec()].concat();
+        for (file, says) in [
+            (
+                gray_tiff(1, &[(Tag::Orientation, 4)], &[], 1),
+                "orientation 4",
+            ),
+            (gray_tiff(1, &[(Tag::Compression, 7)], &[], 1), "lossy"),
+            (
+                gray_tiff(1, &[(Tag::SamplesPerPixel, 3)], &[], 1),
+                "3 samples per texel in grayscale",
+            ),
+            (gray_tiff(6, &[], &[], 1), "photometric interpretation 6"),
+            (
+                gray_tiff(1, &[(Tag::BitsPerSample, 4)], &[], 1),
+                "4 bits per sample",
+            ),
+            (
+                gray_tiff(1, &[(Tag::SampleFormat, 3)], &[], 1),
+                "floating-point",
+            ),
+            (gray_tiff(1, &[], &[], 2), "several pages"),
+            (trailing, "4 bytes follow"),
+        ] {
+            let error = result(&file).expect_err(says);
+            assert!(error.contains(says), "{error}, expected {says}");
+        }
     }
 }

@@ -134,15 +134,29 @@ impl Checklist {
         self.add(Mark::Bad, message, Some(next.into()));
     }
 
-    /// Adds a fault found in `subject`, with instructions to reproduce it.
+    /// Adds a fault found in `subject`, with instructions to reproduce it. The same fault in several subjects is one step.
     pub(super) fn add_fault(
         &mut self,
         subject: &dyn Display,
         fault: ProbeFault,
         reproduction: Reproduction,
     ) {
-        self.steps
-            .push(ProbeStep::bad(subject, fault, reproduction));
+        // A subject is a format and a view. The same view in another format adds the name of the format.
+        let subject = subject.to_string();
+        let (name, view) = subject.split_once(' ').unwrap_or((&subject, ""));
+        let ending = format!(" {view}: {}", fault.0);
+        let is_same = |step: &&mut ProbeStep| {
+            step.mark == Mark::Bad
+                && step.next.as_ref() == Some(&fault.1)
+                && step.message.ends_with(&ending)
+        };
+        if let Some(step) = self.steps.iter_mut().find(is_same) {
+            let names = step.message.len() - ending.len();
+            step.message.insert_str(names, &format!(", {name}"));
+        } else {
+            self.steps
+                .push(ProbeStep::bad(&subject, fault, reproduction));
+        }
     }
 
     /// Adds a step that does not apply.

@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use ptm::Format;
-use ptm_suite::cases::TableSpelling;
 use ptm_suite::protocol::frame::{Answer, View};
 use ptm_suite::protocol::request::Reply;
 
@@ -142,7 +141,12 @@ pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &m
         let is_supported = |(_, reply): &&(View, Reply)| reply.answer != Answer::Unsupported;
         match asked.replies.iter().find(is_supported) {
             None => unsupported.push(name),
-            Some(_) if asked.is_faultless() => list.add_good(format!("{name}: decoded correctly")),
+            Some(_) if asked.is_faultless() => {
+                list.add_good(format!(
+                    "{name}: decoded correctly{}",
+                    asked.sample.spelling_text()
+                ));
+            }
             Some(_) if asked.rank()[0] => judge_views(&asked, list),
             Some((view, reply)) => {
                 let reproduction = || (Vec::new(), asked.sample.reproduction(view));
@@ -168,15 +172,8 @@ pub(super) fn request_other_formats(calls: &Calls, first: &FileReplies, list: &m
 /// Reports the result of each view of a file. For a wrong image, describes how to repair it.
 fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checklist) {
     let name = sample.format.short_name();
-    if sample.spelling != TableSpelling::default() {
-        let newline = match sample.spelling.newline {
-            true => ", with a line feed after the table",
-            false => "",
-        };
-        let count = format!("\"{}\"{newline}", sample.spelling.count.name());
-        list.add_good(format!(
-            "{name}: decoded if the number of entries is spelled {count}"
-        ));
+    if sample.format.has_table() {
+        list.add_good(format!("{name}: decoded{}", sample.spelling_text()));
     }
     for (view, reply) in replies {
         let subject = format!("{name} {view}");

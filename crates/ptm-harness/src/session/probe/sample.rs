@@ -54,6 +54,21 @@ impl Sample {
         format!("a frame of {} texels in {view}", self.size.texels())
     }
 
+    /// Describes how the number of table entries is spelled, because the specification leaves that open. Empty for other formats.
+    pub(super) fn spelling_text(&self) -> String {
+        if !self.format.has_table() {
+            return String::new();
+        }
+        let newline = match self.spelling.newline {
+            true => ", with a line feed after the table (rulings lut-count, lut-newline)",
+            false => " (ruling lut-count)",
+        };
+        format!(
+            " if the number of entries is spelled \"{}\"{newline}",
+            self.spelling.count.name()
+        )
+    }
+
     /// Returns a map in every spelling of its format, the default spelling first.
     pub(super) fn samples_in_all_spellings(format: Format) -> impl Iterator<Item = Sample> {
         let spellings = if format.has_table() { 6 } else { 1 };
