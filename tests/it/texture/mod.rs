@@ -1,6 +1,7 @@
 #![cfg(unix)]
 
 mod decoders;
+mod gpu;
 mod properties;
 mod recordings;
 mod suite;
