@@ -12,7 +12,8 @@ Surprises about real software that a program for PTM files may meet, and that ar
 packages in a temporary folder, runs them on valid input, and exits with 0 if they behave as stated, 1 if not, and 77 if something
 is missing. [CONTRIBUTING.md](../CONTRIBUTING.md#add-a-finding) describes the form. `findings/index.py` generates this file.
 
-Findings about the codecs of planes are in the tables of [docs/codecs.md](../docs/codecs.md).
+More surprises are in the tables of [docs/codecs.md](../docs/codecs.md) (libraries for planes), [docs/exports.md](../docs/exports.md) (readers of
+exported files, and programs that identify files) and [docs/gpu.md](../docs/gpu.md) (renderers).
 """
 
 
