@@ -13,8 +13,8 @@ use super::output;
     after_help = "Example:\n  ptm-conform example python > decoder.py\n  ptm-conform check -- python3 decoder.py"
 )]
 pub struct ExampleArgs {
-    /// The programming language.
-    #[arg(value_parser = DECODERS.map(|(language, _)| language))]
+    /// The programming language: python, c, java, javascript or rust.
+    #[arg(value_parser = parse_language)]
     language: String,
 }
 
@@ -29,6 +29,17 @@ const DECODERS: [(&str, &str); 5] = [
     ),
     ("rust", include_str!("../../examples/starters/decoder.rs")),
 ];
+
+fn parse_language(text: &str) -> Result<String, String> {
+    let languages = DECODERS.map(|(language, _)| language);
+    match languages.contains(&text) {
+        true => Ok(text.to_owned()),
+        false => Err(format!(
+            "there are starters in {}. A decoder may be in any language: it prints one line and the samples, and exits with 0, 65 or 69; start from `ptm-conform example python` and docs/protocol.md",
+            languages.join(", ")
+        )),
+    }
+}
 
 pub fn run(args: &ExampleArgs) -> u8 {
     let is_asked = |(language, _): &&(&str, &str)| args.language == *language;

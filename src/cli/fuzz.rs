@@ -22,7 +22,7 @@ use ptm_suite::protocol::frame::ViewKind;
 use ptm_suite::protocol::request::Request;
 
 /// Template of a progress bar that counts calls.
-pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {per_sec} {elapsed}";
+pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {elapsed}";
 
 /// Fuzz a decoder: generate random files of all formats, and keep the smallest file for each mistake.
 ///

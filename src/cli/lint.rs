@@ -332,7 +332,7 @@ fn settings(args: &LintArgs) -> Result<Settings, String> {
 
 /// Creates a progress bar. A separate thread counts the files, so that the remaining time can be estimated.
 fn progress(args: &LintArgs) -> ProgressBar {
-    let bar = output::bar(None, "{pos}/{len} files, {per_sec}, {eta} left");
+    let bar = output::bar(None, "{pos}/{len} files, {eta} left");
     // A list can be read only once.
     if bar.is_hidden() || args.files.iter().any(|path| is_list(path)) {
         return bar;

@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 
 use super::arguments::parse_pair;
 use super::files::{self, with_path, write_atomically};
-use super::output::print;
+use super::output::{print, print_note};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
 
 use ptm::Size;
@@ -207,5 +207,9 @@ fn run_render(args: &TextureRenderArgs) -> CommandResult {
     let (width, height) = (args.size, args.size);
     let image = rgb(Size { width, height }, drawn).into();
     write_atomically(&args.output, encode_image(&image, image::ImageFormat::Png)?)?;
+    print_note(&format!(
+        "{}: {width} x {height} pixels\n",
+        args.output.display()
+    ));
     Ok(0)
 }

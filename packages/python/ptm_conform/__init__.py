@@ -9,7 +9,7 @@ The functions call the program `ptm-conform`, which this package contains.
 """
 
 from ._checking import Case, Report, check_callable
-from ._program import Malformed, Unsupported, decode, lint, lint_rows, program
+from ._program import Malformed, Unsupported, decode, inspect, lint, lint_rows, program
 
-__all__ = ["Case", "Malformed", "Report", "Unsupported", "check_callable", "decode", "lint", "lint_rows", "program"]
+__all__ = ["Case", "Malformed", "Report", "Unsupported", "check_callable", "decode", "inspect", "lint", "lint_rows", "program"]
 __version__ = "@VERSION@"

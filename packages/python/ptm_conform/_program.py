@@ -34,13 +34,16 @@ def program():
 
 
 def decode(file, view="raw"):
-    """Decodes `file` (bytes) with the reference. Returns an array of shape (height, width, channels), top row first.
+    """Decodes `file` (bytes, or a path) with the reference. Returns an array of shape (height, width, channels), top row first.
 
     `raw`: the stored values as uint8. `coef`: the final coefficients as float32. `rgb:LU,LV`: the image under this light
     as uint8. Raises Malformed or Unsupported.
     """
     import numpy
 
+    if isinstance(file, (str, os.PathLike)):
+        with open(file, "rb") as opened:
+            file = opened.read()
     with tempfile.TemporaryDirectory() as directory:
         path = os.path.join(directory, "x.ptm")
         with open(path, "wb") as out:
@@ -53,6 +56,14 @@ def decode(file, view="raw"):
     _, _, width, height, channels, kind = line.split(b" ")
     dtype = {b"u8": "u1", b"f32": "<f4"}[kind]
     return numpy.frombuffer(samples, dtype).reshape(int(height), int(width), int(channels)).copy()
+
+
+def inspect(path):
+    """Returns every field of a file as dictionaries, like `ptm-conform inspect --json` (spec-cases/schema/inspect.schema.json)."""
+    run = subprocess.run([program(), "inspect", "--json", path], capture_output=True)
+    if run.returncode == 2:
+        raise OSError(run.stderr.decode(errors="replace").strip())
+    return json.loads(run.stdout)
 
 
 def lint(path):

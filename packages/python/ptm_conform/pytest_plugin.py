@@ -112,7 +112,7 @@ class Verdict:
         """Fails the test. The first line is the reason, which the summary of pytest shows."""
         self.test.user_properties.extend((CAUSE, cause) for cause in causes or ["unexplained"])
         clauses = ", ".join(self.case["clauses"]) if self.case else ""
-        pytest.fail("\n".join([reason, "%s (%s)" % (self.id, clauses), *causes]), pytrace=False)
+        pytest.fail("\n".join([reason, "%s (%s)" % (self.id, clauses), *(cause for cause in causes if cause != reason)]), pytrace=False)
 
     def causes(self):
         """Returns the causes of this failure in the report."""

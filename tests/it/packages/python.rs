@@ -129,6 +129,19 @@ def stop(file):
 for wrong in (lambda file: None, lambda file: numpy.zeros((2, 2)), lambda file: ptm_conform.decode(file).astype(int), stop):
     report = ptm_conform.check_callable(wrong, options=options)
     print(report.status, report.data["reason"])
+print(report.text.splitlines()[-1])
+class Damaged(ValueError):
+    pass
+def refuse(file):
+    raise Damaged("no")
+both = ptm_conform.check_callable(refuse, malformed=ValueError, unsupported=Damaged, options=options)
+print("refused as", {case.outcome for case in both.cases.values()} or both.data["reason"])
+for kind in (Exception, (KeyError, BaseException)):
+    try:
+        ptm_conform.check_callable(stop, malformed=kind)
+        sys.exit("a catch-all class was accepted")
+    except TypeError as what:
+        assert "nearly every error" in str(what), what
 report = ptm_conform.check_callable(ptm_conform.decode, options=options)
 print(report.passed, sorted({case.outcome for case in report.cases.values()}))
 def interrupted(file):
@@ -144,7 +157,9 @@ except KeyboardInterrupt:
         "it returned NoneType, not an array",
         "its array has the shape (2, 2), not (height, width, channels)",
         "its array is of int64; raw is uint8",
-        "KeyError: 'lost'; if that means a malformed file, pass malformed=KeyError",
+        "KeyError: 'lost'",
+        "and counts as a crash; if it means a file that is malformed, pass malformed=KeyError",
+        "refused as it raises the exception for unsupported files",
         "True ['pass'",
     ] {
         assert_contains(&text, part);
@@ -172,7 +187,24 @@ fn pytest_has_a_test_for_each_case() {
         .current_dir(here.path(""))
         .output();
     let (_, text) = outcome(&output.expect("python3 starts"));
-    let says = "FAILED test_ptm.py::test_ptm[hand-rgb-blocks] && test_ptm[width-zero-lrgb]";
+    let says = "FAILED test_ptm.py::test_ptm[hand-rgb-blocks] - Failed: && test_ptm[width-zero-lrgb] && causes of PTM failures && 1 of 1: raw: the rows are upside down";
+    assert_contains(&text, says);
+    // A known failure is expected, and a known failure that passes fails.
+    here.write(
+        "known.yaml",
+        "- id: hand-rgb-blocks\n  reason: rows\n- id: width-zero-lrgb\n",
+    );
+    let output = python(&options.split(' ').collect::<Vec<_>>())
+        .args([
+            "hand-rgb-blocks or width-zero-lrgb",
+            "--ptm-baseline",
+            "known.yaml",
+        ])
+        .env("PYTHONPATH", here.path("unpacked"))
+        .current_dir(here.path(""))
+        .output();
+    let (_, text) = outcome(&output.expect("python3 starts"));
+    let says = "XFAIL test_ptm.py::test_ptm[hand-rgb-blocks] - rows && [XPASS(strict)] known failure && 1 failed && 1 xfailed";
     assert_contains(&text, says);
 }
 

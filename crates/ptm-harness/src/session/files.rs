@@ -282,7 +282,9 @@ impl FilesReport {
                 let _ = writeln!(text, "  {relation}");
             }
         }
-        let _ = writeln!(text, "{}: {} files", self.verdict, self.files.len());
+        let count = self.files.len();
+        let plural = if count == 1 { "" } else { "s" };
+        let _ = writeln!(text, "{}: {count} file{plural}", self.verdict);
         text
     }
 }
