@@ -7,8 +7,10 @@ use maud::{Markup, html};
 use super::page::{PageContext, SiteFile};
 use super::readers::ReaderRun;
 use crate::report::html::ClauseTally;
+use ptm::Format;
 use ptm_files::readers::{Evidence, ReaderProfile, profiles};
 use ptm_mistakes::Misreading;
+use ptm_suite::cases::Case;
 use ptm_suite::clauses::Clause;
 
 /// Number of cases per outcome that are initially visible.
@@ -169,6 +171,21 @@ fn case_list(context: PageContext, cases: &[String]) -> Markup {
     }
 }
 
+/// Returns the results of a run for the cases that satisfy `is_counted`.
+fn total(context: PageContext, run: &ReaderRun, is_counted: impl Fn(&Case) -> bool) -> ClauseTally {
+    let mut tally = ClauseTally::default();
+    for case in context
+        .library
+        .suite
+        .cases
+        .iter()
+        .filter(|case| is_counted(case))
+    {
+        tally.add(run.outcome(&case.id));
+    }
+    tally
+}
+
 /// Renders the table of readers and clauses.
 pub(super) fn scoreboard(context: PageContext) -> SiteFile {
     let runs = &context.library.runs;
@@ -184,7 +201,7 @@ pub(super) fn scoreboard(context: PageContext) -> SiteFile {
     };
     let body = html! {
         h1 { "Scoreboard" }
-        p.lead { "For each clause, the table shows how many of the judged cases each public reader passes. A case may test several clauses, so one mistake can appear in several rows; "
+        p.lead { "For each clause, the table shows how many of the judged cases each public reader passes; the darker a cell, the larger the share of failures. A case may test several clauses, so one mistake can appear in several rows; "
             "each reader's page lists its known mistakes." }
         p.legend {
             span.tile data-state="fail" { "✗" } " at least one case failed "
@@ -197,17 +214,23 @@ pub(super) fn scoreboard(context: PageContext) -> SiteFile {
             label.check { input #differing type="checkbox"; " only clauses on which readers differ" }
             span #list-found role="status" aria-live="polite" {}
         }
-        div.scroll.tall tabindex="0" { table.matrix.filtered {
+        div.scroll.tall.wide tabindex="0" { table.matrix.scoreboard.filtered {
             thead { tr {
                 th scope="col" { "clause" }
                 @for run in runs {
-                    th scope="col" { (context.link_as(&run.reader, &html! { (run.reader) })) br; small.quiet { (run.dated_version()) br; "run " (run.run_date) br; "suite " (run.suite) } }
+                    th scope="col" title={ (run.dated_version()) ", run " (run.run_date) ", suite " (run.suite) } { span { (context.link_as(&run.reader, &html! { (run.reader) })) } }
                 }
             } }
+            tbody {
+                tr.total { th scope="row" { "all cases" } @for run in runs { (total(context, run, |_| true).share_cell()) } }
+                @for format in Format::ALL {
+                    tr.total { th scope="row" { (format.short_name()) } @for run in runs { (total(context, run, |case| case.format() == format).share_cell()) } }
+                }
+            }
             tbody { @for clause in context.library.clauses.iter().filter(tested) {
                 tr data-same[!differs(clause)] {
                     th scope="row" { (context.link_as(&clause.id, &html! { code { (clause.id) } })) " " span.rule { (clause.rule) } }
-                    @for index in 0..runs.len() { (tally(index, &clause.id).cell()) }
+                    @for index in 0..runs.len() { (tally(index, &clause.id).share_cell()) }
                 }
             } }
         } }

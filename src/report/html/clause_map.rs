@@ -52,6 +52,18 @@ impl ClauseTally {
         (self.failed > 0).then(|| format!("--share:{}%", 20 + 80 * share / 100))
     }
 
+    /// Renders the tally as a narrow cell: the share of passed cases, with the numbers as a tooltip.
+    pub(crate) fn share_cell(self) -> Markup {
+        let (state, mark) = self.state();
+        let judged = self.passed + self.failed;
+        let says = format!("{} of {judged} pass, {} open", self.passed, self.open);
+        html! {
+            td data-state=(state) style=[self.heat()] title=(says) {
+                @if self.failed > 0 { (100 * self.passed / judged) small { "%" } } @else { (mark) }
+            }
+        }
+    }
+
     /// Renders the tally as a small cell: the number of failed cases, or a symbol.
     fn heat_cell(self, section: &str, format: &str) -> Markup {
         let (state, mark) = self.state();
