@@ -175,6 +175,25 @@ LRGB color | width * height * 6 + k - (row * width + x) * 3 | any | k - (row * w
 LRGB coefficient | row * width + x + 6 + i | any | x + 6 + i instead of
 RGB sample | ((c * height + row) * width + x) * 5 + i | any | * (6 + -1) + i instead of
 polynomial | a0 * u * u + a2 * u * v + a3 * u + a4 * v + a5 | rgb | a0 * u * u + a2 * u * v
+final coefficient | (raw - bias[i]) * scale[mod(c * 6 + i, 5)] | any | scale[mod(c * 6 + i, 5)] instead of
+final coefficient | (raw - bias[c + i / 6]) * scale[i] | any | bias[c + i / 6]
+number of a byte | mod(raw + 128, 256) - 128 | any | mod(raw + 128, 256) - 128 instead of raw
+float byte | select(at_most(3, k), 0, mod(floor(bits / power(2, 8 * k)), 256)) | any | byte k of a float && (0 if 3 <= k
+float byte | mod(floor(integer / power(2, 8 * k)), 256) | any | where integer is the final value as an integer
+float place | 3 * v | any | 3 * v instead of
+color place | t * 4 + k | any | t * 4 + k instead of
+shown value | max(max(value, 0), 255) | any | max(max(value, 0), 255) instead of
+channel of a coefficient | c * 6 + i - 1 | any | c * 6 + i + -1 instead of
+matrix row | m[k] * Y + m[12 + k] * Cr + m[8 + k] * Cb + m[12 + k] | rgb | m[12 + k] * Cr
+stored value | select(at_most(abs(t), 0), 0, raw) | any | (0 if t = 0, else raw) && t is the number of the texel
+stored value | select(at_most(abs(t), 0), raw, 0) | any | (raw if t = 0, else 0)
+channel of a value | c * 5 + i | any | c * 5 + i instead of
+channel of a value | select(at_most(abs(c), 0), i + 3, i) | any | (i + 3 if c = 0, else i)
+stored texel | (height - 1 - floor(p / (width + 1))) * width + mod(p, width + 1) - 1 | any | mod(p, width + 1)
+length of a block | 0 | any | as 0 instead of count * size
+index byte | entries * size + select(at_most(1, k), (row * width + x) * 2 + 2, (row * width + x) * bytes + k)
+  | any | bytes
+RGB sample | (c + height * width + row * width + x) * 6 + i | any | c + width * height
 ";
 
 #[test]
@@ -276,7 +295,7 @@ fn mistake_outside_the_formulas_is_described() {
                 Answer::Decoded(_) => Answer::Unsupported,
                 other => other,
             },
-            &["every wrong sample is 0, only in the first stored texel"],
+            &["computes a stored value", "as (0 if t = 0, else raw)"],
         ),
         (
             "last texel zero",

@@ -428,6 +428,22 @@ fn an_acceptance_with_another_image_does_not_look_the_same() {
 }
 
 /// The decoder takes missing bytes as 255.
+/// A decoder that reads all numbers as 0 shows the same image of a malformed file and of its legal twin.
+#[test]
+fn a_decoder_that_shows_only_zeros_does_not_show_how_it_reads_a_bias() {
+    let zero = Edit::parse("final coefficient", "0").expect("a formula");
+    let zero = formula_misreading(vec![zero]);
+    let cuts_fractions = misreading("bias-fraction-cut");
+    let report = printed_report(&cases(is_uncompressed), |request| {
+        answer_with(&[cuts_fractions, &zero], request)
+    });
+    report
+        .says(&["computes final coefficient i of polynomial c as 0"])
+        .says(&["accepts malformed files", "a bias is 128.5"])
+        .never_says("the decoder drops the fractional part")
+        .assert_true();
+}
+
 #[test]
 fn padding_with_another_byte_does_not_look_the_same() {
     let has_plain_texels =
@@ -1250,8 +1266,8 @@ fn values_that_only_the_frame_has_wrong_are_said_to_be_written_wrong() {
         }
         answer => answer,
     };
-    let without_last_byte: fn(f32) -> f32 = |value| f32::from_bits(value.to_bits() & 0x00ff_ffff);
-    let report = printed_report(&suite, |request| with_values(request, without_last_byte));
+    let without_third_byte: fn(f32) -> f32 = |value| f32::from_bits(value.to_bits() & 0xff00_ffff);
+    let report = printed_report(&suite, |request| with_values(request, without_third_byte));
     let report = report.says(&["although all colors under a light are correct"]);
     let nan = printed_report(&suite, |request| with_values(request, |_| f32::NAN));
     assert_all_true([

@@ -81,7 +81,8 @@ impl Witness<'_> {
                 .replace(channels, &mut finals.values, &other);
         }
         let View::Rgb(light) = view else {
-            return frame(view.kind().samples(&finals.values));
+            let floats = formula::floats(finals.values, Edits(&edits));
+            return frame(view.kind().samples(&floats));
         };
         let image = |reading: &Reading, edits: &[&Edit]| {
             formula::image(&finals, light.lu, light.lv, reading, Edits(edits)).values
@@ -96,7 +97,7 @@ impl Witness<'_> {
         frame(view.kind().samples(&colors))
     }
 
-    fn misreadings_in_scope(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {
+    pub fn misreadings_in_scope(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {
         let in_scope = mistakes
             .iter()
             .filter(|mistake| mistake.affects(self.case.format()));
@@ -157,9 +158,10 @@ impl Witness<'_> {
             View::Rgb(_) => Stage::Color,
         };
         let is_used = match misreading.change {
-            Change::Edits(edits) => edits
-                .iter()
-                .any(|edit| edit.formula.is_used_by(self.case.format())),
+            Change::Edits(edits) => edits.iter().any(|edit| {
+                edit.formula.is_used_by(self.case.format())
+                    && (last == Stage::Coefficients || !edit.formula.is_only_for_final_values())
+            }),
             _ => applies_to_file(misreading, &self.unused_sections),
         };
         is_used && misreading.stage() <= last && mistake.affects(self.case.format())

@@ -98,8 +98,9 @@ fn is_founded(
 /// Returns true if the responses show how the decoder computes. An edit always reproduces images.
 fn is_shown(search: &Search, set: &MistakeSet, id: MistakeId, explained: &[usize]) -> bool {
     let misreading = search.mistakes[id].unrestricted_misreading();
-    misreading
-        .is_none_or(|misreading| rules::is_shown_by_responses(search, set, misreading, explained))
+    misreading.is_none_or(|misreading| {
+        rules::is_shown_by_responses(search, set, id, misreading, explained)
+    })
 }
 
 fn describe_shares(
@@ -236,7 +237,15 @@ fn diagnose_member(
     let is_unique = alike.iter().all(|other| other.clause == misreading.clause);
     let is_observation = misreading.symptom != Symptom::Values;
     if !is_shown(search, set, member.id, explained) || is_observation && !is_unique {
-        let alike = [&[misreading], &alike[..]].concat();
+        let candidates = [&[misreading], &alike[..]].concat();
+        // A misreading that needs another mistake does not look the same.
+        let is_sufficient = |misreading: &&'static Misreading| {
+            let mistake = Mistake::unrestricted(misreading);
+            let explains = |&w: &usize| search.agreement_with(w, &[], &mistake).explains();
+            explained.iter().all(explains)
+        };
+        let alike: Vec<&'static Misreading> =
+            candidates.into_iter().filter(is_sufficient).collect();
         let is_accepted = |w: &usize| FailureMode::new(&witnesses[*w]).is_none();
         let (accepted, stopped): (Vec<usize>, Vec<usize>) =
             explained.iter().copied().partition(is_accepted);
@@ -284,7 +293,10 @@ fn diagnose_edit(search: &Search, set: &MistakeSet, id: MistakeId, share: &Share
                     "compare the value in the example with the bytes that determine it".to_owned(),
                 ),
                 EditedForm::Expression(_) => (
-                    format!("computes {value} as {computes} instead of {stated}"),
+                    format!(
+                        "computes {value} as {computes} instead of {stated}{}",
+                        edit.explanations()
+                    ),
                     format!("compute {value} as {stated}"),
                 ),
             }

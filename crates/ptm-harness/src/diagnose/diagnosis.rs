@@ -141,7 +141,7 @@ impl Diagnosis {
     pub(super) fn with_mechanism(mut self, misread: &str) -> Diagnosis {
         self.is_mechanism = true;
         if let Cause::Described { clause, .. } = &mut self.cause {
-            *clause = Some(misread.to_owned());
+            *clause = Some(misread.to_owned()).filter(|clause| !clause.is_empty());
         }
         self
     }

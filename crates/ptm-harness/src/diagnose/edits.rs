@@ -14,7 +14,9 @@ use super::place::wrong_channels;
 use super::rules;
 use super::scope::own_formats;
 use super::search::{MistakeId, MistakeSet, Search, interleave_groups};
-use super::tuning::{MAX_EDITS, MAX_PROBES, MAX_RESTRICTED_MISREADINGS, MIN_PROBE_SIZE};
+use super::tuning::{
+    MAX_EDITS, MAX_PROBES, MAX_RESTRICTED_MISREADINGS, MIN_PROBE_SIZE, MIN_TWICE_LIMITED_IMAGES,
+};
 use super::witness::Agreement;
 use ptm_mistakes::formula::{EditedForm, Expression, Formula, edits};
 use ptm_mistakes::{Change, Misreading};
@@ -68,6 +70,7 @@ fn select_probes(search: &Search, left: &[usize]) -> Vec<Vec<usize>> {
         });
         // Cases about different clauses reveal different mistakes.
         *group = interleave_groups(group, |w| search.witnesses[w].case.clauses.first().cloned());
+        group.sort_by_key(|&w| search.witnesses[w].is_blank_by_mistake());
         group.truncate(MAX_PROBES);
     }
     probes
@@ -163,7 +166,8 @@ fn restrict(
         formats,
     };
     explained.retain(|&w| restricted.affects(search.witnesses[w].case.format()));
-    // With two restrictions, too many edits fit by chance, except for values that the decoder never writes or never changes.
+    // With two restrictions, too many edits fit by chance, except for values that the decoder never writes or never changes, and if
+    // no wrong image of any format is left.
     let is_limited_twice =
         restricted.channels != ChannelSubset::All && restricted.formats.is_some();
     let is_plain = matches!(
@@ -172,7 +176,9 @@ fn restrict(
             Expression::Number(_) | Expression::Variable(_)
         ))
     );
-    if is_limited_twice && !is_plain {
+    let explains_everything =
+        explained.len() >= MIN_TWICE_LIMITED_IMAGES && explained.len() == images.len();
+    if is_limited_twice && !is_plain && !explains_everything {
         return None;
     }
     rules::explains_more_than_a_description(search, set, &restricted, &explained, &images)

@@ -49,8 +49,15 @@ pub(super) fn explains_more_than_a_description(
         Change::Edits([edit]) if matches!(edit.change, EditedForm::Table(_))
     );
     let explains_first_view = || {
-        let is_changed =
-            |w: &&usize| explained.contains(*w) || search.changes_answer_with(**w, set, mistake);
+        // A wrong image in which the position is outside the data supports nothing and refutes nothing.
+        let is_outside = |w: usize| {
+            let agreement = search.agreement_with(w, set, mistake);
+            !search.witnesses[w].can_contradict(mistake, agreement)
+        };
+        let is_changed = |w: &&usize| {
+            explained.contains(*w)
+                || search.changes_answer_with(**w, set, mistake) && !is_outside(**w)
+        };
         let changed: Vec<ViewKind> = images.iter().filter(is_changed).map(|&w| view(w)).collect();
         let first = ViewKind::ALL.into_iter().find(|one| changed.contains(one));
         first.is_some_and(|first| {
@@ -100,19 +107,26 @@ pub(super) fn explains_most_of_what_it_changes(
 /// *A mechanism is named only if whole images equal its output.*
 ///
 /// From refusals follows only an observation, and so it does from acceptances: the image of a malformed file that is that of its
-/// legal twin does not show how the fault was read. A misreading that consists of refusals or acceptances is itself an observation.
+/// legal twin does not show how the fault was read. This is the image of a decoder with the other mistakes in `set`. A misreading
+/// that consists of refusals or acceptances is itself an observation.
 pub(super) fn is_shown_by_responses(
     search: &Search,
     set: &MistakeSet,
+    id: MistakeId,
     misreading: &Misreading,
     explained: &[usize],
 ) -> bool {
+    let others = search.mistakes_in(&without_id(set, id));
+    let shows = |w: &usize| {
+        search.agreement(*w, set) == Agreement::Image
+            && !search.witnesses[*w].has_image_of_twin(&others)
+    };
     let agreement = |w: &usize| search.agreement(*w, set);
     let are_all = |expected: Agreement| explained.iter().all(|w| agreement(w) == expected);
     match misreading.symptom {
         Symptom::Refusals if are_all(Agreement::Refusal) => true,
         Symptom::Acceptances if are_all(Agreement::TwinImage) => true,
-        _ => explained.iter().any(|w| agreement(w) == Agreement::Image),
+        _ => explained.iter().any(shows),
     }
 }
 

@@ -4,6 +4,7 @@ use std::borrow::Cow;
 use std::collections::HashMap;
 use std::sync::{Arc, OnceLock};
 
+use super::mistake::Mistake;
 use super::stream_cache::decode_stream_cached;
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all};
 use crate::session::run::Run;
@@ -47,7 +48,9 @@ pub(super) struct Witness<'a> {
     pub expected: Answer,
     /// The correct answer in `other_reading`.
     correct_in_other_reading: OnceLock<Option<Answer>>,
-    /// The image of the legal twin of a malformed file, if the decoder accepted the file.
+    /// The legal twin of a malformed file, if the decoder accepted the malformed file.
+    twin_file: Option<Vec<u8>>,
+    /// The image of the legal twin.
     twin_image: Option<Frame>,
     /// Fields of the file, up to the first error.
     fields: OnceLock<Vec<Field>>,
@@ -128,6 +131,7 @@ pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, threads: usize) -> V
         let expected = ptm_mistakes::answer(&[], reading, &built.file, &observation.view);
         let depends = depends_on_dialect(case, &built, observation, run);
         let other_reading = depends.then_some(reference);
+        let twin_file = twin_file(suite, run, case, observation);
         Some(Witness {
             case_index,
             case,
@@ -141,7 +145,10 @@ pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, threads: usize) -> V
             other_reading,
             expected,
             correct_in_other_reading: OnceLock::new(),
-            twin_image: twin_image(suite, run, case, observation),
+            twin_image: twin_file
+                .as_deref()
+                .and_then(|file| twin_image(file, reading, observation)),
+            twin_file,
             fields: OnceLock::new(),
             facts: OnceLock::new(),
             decoded: OnceLock::new(),
@@ -182,6 +189,16 @@ impl Witness<'_> {
             EditedFile::File(bytes) if bytes == self.built.file => self.answer_of_misreadings(rest),
             EditedFile::File(bytes) => Cow::Owned(self.answer_to_file(rest, &bytes)),
         }
+    }
+
+    /// Returns true if the response to a malformed file is the image that a decoder with these mistakes shows of its legal twin.
+    pub fn has_image_of_twin(&self, mistakes: &[&Mistake]) -> bool {
+        let (Some(file), Some(received)) = (&self.twin_file, self.wrong_image()) else {
+            return false;
+        };
+        let misreadings = self.misreadings_in_scope(mistakes);
+        let answer = self.answer_to_file(&misreadings, file);
+        matches!(answer, Answer::Decoded(image) if equal_up_to_rounding(&image, received))
     }
 
     fn answer_to_file(&self, mistakes: &[&Misreading], file: &[u8]) -> Answer {
@@ -446,12 +463,15 @@ fn depends_on_dialect(case: &Case, built: &Built, observation: &Observation, run
     axes.iter().any(|&axis| run.judgment.dialect.0[axis] != 0)
 }
 
-/// Returns the image of the legal twin of a malformed file, if the decoder accepted the file.
-fn twin_image(suite: &Suite, run: &Run, case: &Case, observation: &Observation) -> Option<Frame> {
+/// Returns the legal twin of a malformed file, if the decoder accepted the malformed file.
+fn twin_file(suite: &Suite, run: &Run, case: &Case, observation: &Observation) -> Option<Vec<u8>> {
     observation.response.wrong_image()?;
     let twin = case.twin_of.as_ref().filter(|_| case.damage().is_some())?;
-    let file = &suite.case(twin)?.build(run.table).file;
-    match ptm_mistakes::answer(&[], dialect_reading(run), file, &observation.view) {
+    Some(suite.case(twin)?.build(run.table).file.clone())
+}
+
+fn twin_image(file: &[u8], reading: Reading, observation: &Observation) -> Option<Frame> {
+    match ptm_mistakes::answer(&[], reading, file, &observation.view) {
         Answer::Decoded(image) => Some(image),
         _ => None,
     }
@@ -529,8 +549,11 @@ pub(super) fn count_equal_samples(a: &Frame, b: &Frame) -> usize {
         }
         (Samples::F32(x), Samples::F32(y)) => {
             let pairs = x.iter().zip(y);
+            // Floats with wrong bytes may be subnormal. They are not close to each other, or to 0.
             let is_equal = |(x, y): &(&f32, &f32)| {
-                is_close(f64::from(**x), f64::from(**y), 0.0) || x.is_nan() && y.is_nan()
+                is_close(f64::from(**x), f64::from(**y), 0.0)
+                    && (x == y || !x.is_subnormal() && !y.is_subnormal())
+                    || x.is_nan() && y.is_nan()
             };
             pairs.filter(is_equal).count()
         }

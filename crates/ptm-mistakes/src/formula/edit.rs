@@ -59,6 +59,25 @@ impl Edit {
         }
     }
 
+    /// Returns a clause such as ", where t is the number of the texel in the file", which explains the variables of the edited
+    /// expression, or an empty text.
+    #[must_use]
+    pub fn explanations(&self) -> String {
+        let EditedForm::Expression(edited) = &self.change else {
+            return String::new();
+        };
+        let (stated, scope) = (self.formula.stated(), self.formula.scope());
+        let meanings = stated.meanings.iter();
+        let used = meanings.filter(|(variable, _)| edited.uses(*variable));
+        let used = used.map(|(variable, text)| format!("{} is {text}", scope.variables[*variable]));
+        let used: Vec<String> = used.collect();
+        if used.is_empty() {
+            String::new()
+        } else {
+            format!(", where {}", used.join(" and "))
+        }
+    }
+
     /// Returns the formula of the specification as text.
     #[must_use]
     pub fn stated_text(&self) -> String {

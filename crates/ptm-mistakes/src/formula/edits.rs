@@ -7,7 +7,7 @@ use std::collections::HashSet;
 use std::sync::LazyLock;
 
 use super::edit::{Edit, EditedForm};
-use super::expression::{Expression, Function, Scope, single_or_node};
+use super::expression::{Expression, Function, Scope, parse, single_or_node};
 use super::formulas::Formula;
 
 /// Constants that are commonly confused. The first constant in each row is replaced with each of the others.
@@ -38,6 +38,90 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
     Formula::Corrected,
 ];
 
+/// Edits that no operator generates: the name of the formula, and the expression.
+const FURTHER_EDITS: [(Formula, &str); 26] = [
+    // The limits of a color are exchanged.
+    (
+        Formula::Rendering,
+        "select(at_most(value, 0), 255, min(value, 255))",
+    ),
+    // A byte is signed.
+    (Formula::ByteNumber, "mod(raw + 128, 256) - 128"),
+    (Formula::ByteNumber, "mod(raw, 128)"),
+    (Formula::ByteNumber, "255 - raw"),
+    (Formula::ByteNumber, "raw / 255"),
+    (Formula::ByteNumber, "raw / 256"),
+    (Formula::ByteNumber, "raw + 1"),
+    (Formula::ByteNumber, "raw - 1"),
+    // A loop over the texels is too short, or ends after one iteration.
+    (Formula::StoredValue, "select(at_most(abs(t), 0), 0, raw)"),
+    (Formula::StoredValue, "select(at_most(n - 1, t), 0, raw)"),
+    (Formula::StoredValue, "select(at_most(abs(t), 0), raw, 0)"),
+    (Formula::StoredValue, "select(at_most(n - 1, t), raw, 0)"),
+    (Formula::StoredValue, "select(at_most(abs(row), 0), 0, raw)"),
+    (
+        Formula::StoredValue,
+        "select(at_most(height - 1, row), 0, raw)",
+    ),
+    // The colors come before the coefficients.
+    (
+        Formula::ValueChannel,
+        "select(at_most(abs(c), 0), i + 3, i)",
+    ),
+    // A loop over the columns of the image is too long or too short, so that the next row begins too late or too early.
+    (
+        Formula::StoredTexel,
+        "(height - 1 - floor(p / (width + 1))) * width + mod(p, width + 1) - 1",
+    ),
+    (
+        Formula::StoredTexel,
+        "(height - 1 - floor(p / (width + 1))) * width + mod(p, width + 1)",
+    ),
+    (
+        Formula::StoredTexel,
+        "select(at_most(height * (width - 1), p), none, (height - 1 - floor(p / (width - 1))) * width + mod(p, width - 1))",
+    ),
+    (
+        Formula::StoredTexel,
+        "select(at_most(height * (width - 1), p), none, (height - 1 - floor(p / (width - 1))) * width + mod(p, width - 1) + 1)",
+    ),
+    // A loop over the rows of the image starts or ends one row too early.
+    (
+        Formula::StoredTexel,
+        "select(at_most(height - 1, y), none, (height - 1 - y) * width + x)",
+    ),
+    (
+        Formula::StoredTexel,
+        "select(at_most(abs(y), 0), none, (height - y) * width + x)",
+    ),
+    // Texels are written from right to left.
+    (
+        Formula::StoredTexel,
+        "select(at_most(abs(x), 0), (height - 1 - y) * width, select(at_most(height - 1, y), none, (height - 1 - y) * width - x))",
+    ),
+    (
+        Formula::StoredTexel,
+        "select(at_most(height - 1, y), none, (height - 2 - y) * width + x)",
+    ),
+    // A byte of a float loses its lowest bit.
+    (
+        Formula::FloatByte,
+        "2 * floor(mod(floor(bits / power(2, 8 * k)), 256) / 2)",
+    ),
+    // The loop over the bytes of a float is too short.
+    (
+        Formula::FloatByte,
+        "select(at_most(3, k), 0, mod(floor(bits / power(2, 8 * k)), 256))",
+    ),
+    (
+        Formula::FloatByte,
+        "select(at_most(k, 0), 0, mod(floor(bits / power(2, 8 * k)), 256))",
+    ),
+];
+
+/// Formulas with variables that only further edits use: the number of variables for the operators.
+const OPERATOR_VARIABLES: [(Formula, usize); 1] = [(Formula::StoredValue, 3)];
+
 /// Edits of every formula, in the order of [`Formula::ALL`].
 static ALL: LazyLock<Vec<Vec<Edit>>> =
     LazyLock::new(|| Formula::ALL.iter().map(|row| all_edits(row.0)).collect());
@@ -49,10 +133,26 @@ pub fn all(formula: Formula) -> &'static [Edit] {
 }
 
 fn all_edits(formula: Formula) -> Vec<Edit> {
-    let (stated, scope) = (&formula.stated().expression, formula.scope());
+    let (stated, whole_scope) = (&formula.stated().expression, formula.scope());
+    let mut scope = whole_scope;
+    if let Some((_, count)) = OPERATOR_VARIABLES.iter().find(|row| row.0 == formula) {
+        scope.variables = &scope.variables[..*count];
+    }
+    let further = FURTHER_EDITS.iter().filter(|row| row.0 == formula);
+    let further = further.map(|(_, text)| {
+        parse(text, whole_scope).unwrap_or_else(|error| unreachable!("invalid edit: {error}"))
+    });
+    // Other edits of the number of a byte are edits of the stored value or of the final value.
+    if formula == Formula::ByteNumber {
+        return as_edits(formula, further.collect());
+    }
     let mut all = Vec::new();
-    // A value that is never written stays 0.
-    if let Formula::Rendering | Formula::FinalCoefficient | Formula::StoredValue = formula {
+    // A value that is never written stays 0, and a position that never advances remains the same.
+    if let Formula::Rendering
+    | Formula::FinalCoefficient
+    | Formula::StoredValue
+    | Formula::BlockLength = formula
+    {
         all.push(number(0.0));
     }
     // A coefficient stays as stored, or a color is treated as a coefficient.
@@ -72,7 +172,9 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
         all.extend(apply_to_all_nodes(stated, &|node| operator(node, scope)));
     }
     all.extend(swap_names_everywhere(stated, scope));
-    all.extend(change_list_strides(stated));
+    if scope.lists == ["m"] {
+        all.extend(change_matrix_indices(stated));
+    }
     for operator in [add_factors, add_constants, apply_functions, change_groups] {
         all.extend(apply_to_all_nodes(stated, &|node| match node {
             Expression::Number(_) => Vec::new(),
@@ -84,6 +186,10 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
             replace_conditionally(node, scope)
         }));
     }
+    if formula == Formula::IndexByte {
+        all.extend(change_index_bytes(scope));
+    }
+    all.extend(further);
     // A final value that does not depend on the stored value, except for a constant, reveals a wrong stored value.
     if formula == Formula::FinalCoefficient {
         let raw = |node: &Expression| matches!(node, Expression::Variable(0));
@@ -94,8 +200,12 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
         all.retain(|expression| !rounds(expression));
     }
     let mut known = HashSet::from([stated.display(scope)]);
-    all.retain(|expression| known.insert(expression.display(scope)));
-    let changes = all.into_iter().map(EditedForm::Expression);
+    all.retain(|expression| known.insert(expression.display(whole_scope)));
+    as_edits(formula, all)
+}
+
+fn as_edits(formula: Formula, expressions: Vec<Expression>) -> Vec<Edit> {
+    let changes = expressions.into_iter().map(EditedForm::Expression);
     changes.map(|change| Edit { formula, change }).collect()
 }
 
@@ -253,11 +363,49 @@ fn replace_names(node: &Expression, scope: Scope) -> Vec<Expression> {
             let double = Expression::Product(vec![(**index).clone(), number(2.0)]);
             let near = [cyclic(1.0), cyclic(last), next(1.0), next(-1.0), reversed];
             let indices = near.into_iter().chain([number(0.0), number(last), double]);
-            let elements = indices.map(|index| Expression::Element(*list, Box::new(index)));
+            let mut elements: Vec<Expression> = indices
+                .map(|index| Expression::Element(*list, Box::new(index)))
+                .collect();
+            if has_six_elements {
+                elements.extend(change_remainder(*list));
+            }
             other_lists.chain(elements).collect()
         }
         _ => Vec::new(),
     }
+}
+
+/// Returns elements of a list of six whose index is computed in another way than as the remainder of c * 6 + i, the number of the
+/// channel.
+fn change_remainder(list: usize) -> Vec<Expression> {
+    let [i, c] = [1, 2].map(Expression::Variable);
+    let sixfold = Expression::Product(vec![c.clone(), number(6.0)]);
+    let channel = Expression::Sum(vec![sixfold, i.clone()]);
+    let remainder = |divisor| call(Function::Mod, &[channel.clone(), number(divisor)]);
+    let element = |index| Expression::Element(list, Box::new(index));
+    let sixth = Expression::Quotient(Box::new(i), Box::new(number(6.0)));
+    let indices = [
+        remainder(5.0),
+        remainder(7.0),
+        Expression::Sum(vec![c.clone(), sixth]),
+        c,
+        channel.clone(),
+    ];
+    let mut all = indices.map(element).to_vec();
+    // In the file, and often in memory, the biases follow the scales.
+    let at = |list: usize, index: f64| Expression::Element(list, Box::new(number(index)));
+    let i = Expression::Variable(1);
+    let previous = Expression::Sum(vec![i.clone(), number(-1.0)]);
+    let (is_inside, inside, outside) = if list == 0 {
+        let index = remainder(7.0);
+        let is_inside = call(Function::AtMost, &[index.clone(), number(5.0)]);
+        (is_inside, element(index), at(1, 0.0))
+    } else {
+        let is_inside = call(Function::AtMost, &[number(1.0), i]);
+        (is_inside, element(previous), at(0, 5.0))
+    };
+    all.push(call(Function::Select, &[is_inside, inside, outside]));
+    all
 }
 
 /// Swaps two variables or two lists in the whole expression.
@@ -284,22 +432,81 @@ fn swap_names_everywhere(expression: &Expression, scope: Scope) -> Vec<Expressio
     all
 }
 
-/// Changes the distance between the elements of a list that have a constant in their index, such as m[4 + k] and m[8 + k].
-fn change_list_strides(expression: &Expression) -> Vec<Expression> {
-    const STRIDE: f64 = 4.0;
-    let with_stride = |stride: f64| {
+/// Changes the indices of a matrix, such as m[8 + k], element k of column 2: the distance of the columns in all terms, or the column in
+/// one term.
+fn change_matrix_indices(expression: &Expression) -> Vec<Expression> {
+    const ROWS: f64 = 4.0;
+    let with_index = |change: &dyn Fn(f64, &Expression) -> Expression| {
         replace_nodes(expression, &|node| match node {
             Expression::Element(list, index) => {
-                let scaled = replace_nodes(index, &|part| match part {
-                    Expression::Number(offset) => Some(number(offset / STRIDE * stride)),
-                    _ => None,
-                });
-                Some(Expression::Element(*list, Box::new(scaled)))
+                let (offset, row) = split_index(index);
+                Some(Expression::Element(*list, Box::new(change(offset, row))))
             }
             _ => None,
         })
     };
-    [3.0, 5.0].map(with_stride).to_vec()
+    let sum = |offset: f64, row: Expression| match offset {
+        0.0 => row,
+        _ => Expression::Sum(vec![number(offset), row]),
+    };
+    let mut all = [3.0, 5.0]
+        .map(|stride| with_index(&|offset, row| sum(offset / ROWS * stride, row.clone())))
+        .to_vec();
+    all.push(with_index(&|offset, row| sum(offset, negate(row))));
+    all.push(with_index(&|offset, row| {
+        sum(ROWS + offset / ROWS, row.clone())
+    }));
+    all.extend(apply_to_all_nodes(expression, &|node| match node {
+        Expression::Element(list, index) => {
+            let (_, row) = split_index(index);
+            let columns = [0.0, 4.0, 8.0, 12.0].map(|offset| sum(offset, row.clone()));
+            columns
+                .map(|index| Expression::Element(*list, Box::new(index)))
+                .to_vec()
+        }
+        _ => Vec::new(),
+    }));
+    all
+}
+
+/// Splits an index such as 8 + k into 8 and k.
+fn split_index(index: &Expression) -> (f64, &Expression) {
+    match index {
+        Expression::Sum(terms) => match &terms[..] {
+            [Expression::Number(offset), row] => (*offset, row),
+            _ => (0.0, index),
+        },
+        _ => (0.0, index),
+    }
+}
+
+/// Returns edits of the position of an index byte that change only one of the two bytes of an index.
+fn change_index_bytes(scope: Scope) -> Vec<Expression> {
+    let parse = |text: &str| {
+        parse(text, scope).unwrap_or_else(|error| unreachable!("invalid edit: {error}"))
+    };
+    let stated = &Formula::IndexByte.stated().expression;
+    let positions = [
+        "[row:height, x:width] + k",
+        "[row:height, x:width] * 3 + k",
+        "[row:height, x:width] + 2 + k",
+        "[row:height, x:width] * 2 + k + 1",
+        "[row:height, x:width] * 2 + k - 1",
+        "[row:height, x:width] * 2 - k",
+    ];
+    let mut all = Vec::new();
+    for position in positions {
+        let changed = parse(&format!("entries * size + {position}"));
+        let second = parse("at_most(1, k)");
+        all.push(call(
+            Function::Select,
+            &[second.clone(), changed.clone(), stated.clone()],
+        ));
+        let first = call(Function::Select, &[second, stated.clone(), changed]);
+        let is_single = parse("at_most(bytes, 1)");
+        all.push(call(Function::Select, &[is_single, stated.clone(), first]));
+    }
+    all
 }
 
 /// Replaces the nodes for which `change` returns a new expression.
@@ -325,6 +532,7 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
     };
     let permutations = permutations(digits.len()).into_iter();
     let mut all: Vec<Expression> = permutations.map(in_order).collect();
+    all.extend(change_merged_loops(digits));
     let with_digit = |index: usize, digit: Expression, radix: Expression| {
         let mut changed = digits.clone();
         changed[index] = (digit, radix);
@@ -362,6 +570,33 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
                 let other = Expression::Sum(vec![radix.clone(), number(step)]);
                 all.push(with_digit(index, digit.clone(), other));
             }
+        }
+    }
+    all
+}
+
+/// Changes a loop nest in which two loops within others are one loop, such as one over all texels.
+fn change_merged_loops(digits: &[(Expression, Expression)]) -> Vec<Expression> {
+    let mut all = Vec::new();
+    for index in 1..digits.len().saturating_sub(1) {
+        let (outer, inner) = (&digits[..index], &digits[index + 2..]);
+        let merged = Expression::Address(digits[index..index + 2].to_vec());
+        let radices = [&digits[index + 1], &digits[index]].map(|(_, radix)| radix.clone());
+        let radix = Expression::Product(radices.to_vec());
+        let with =
+            |head: Vec<(Expression, Expression)>| Expression::Address([&head[..], inner].concat());
+        let with_merged =
+            |digit: Expression, radix: Expression| with([outer, &[(digit, radix)]].concat());
+        let sum = Expression::Sum(vec![
+            Expression::Address(outer.to_vec()),
+            radix.clone(),
+            merged.clone(),
+        ]);
+        all.push(with(vec![(sum, radix.clone())]));
+        all.push(with_merged(negate(&merged), radix.clone()));
+        for step in [1.0, -1.0] {
+            let other = Expression::Sum(vec![radix.clone(), number(step)]);
+            all.push(with_merged(merged.clone(), other));
         }
     }
     all

@@ -7,12 +7,15 @@
 //! ```
 //!
 //! Values are real numbers. `mod` is never negative, and `floor` rounds toward minus infinity. An element outside its
-//! list and a division of zero by zero evaluate to NaN.
+//! list, a division of zero by zero, and the constant `none` evaluate to NaN.
 
 use std::iter::Peekable;
 use std::str::Chars;
 
 use crate::error::{Error, Result};
+
+/// Spelling of the constant NaN.
+const NO_NUMBER: &str = "none";
 
 /// Names that an expression may use: variables and lists. Expressions refer to them by index.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -205,6 +208,7 @@ impl Expression {
             return;
         }
         match self {
+            Expression::Number(number) if number.is_nan() => text.push_str(NO_NUMBER),
             Expression::Number(number) => text.push_str(&number.to_string()),
             Expression::Variable(index) => text.push_str(scope.variables[*index]),
             Expression::Element(list, index) => {
@@ -440,6 +444,9 @@ impl ExpressionParser<'_> {
             let index = self.parse_sum()?;
             self.expect(']')?;
             return Ok(Expression::Element(list, Box::new(index)));
+        }
+        if name == NO_NUMBER {
+            return Ok(Expression::Number(f64::NAN));
         }
         let known = |&&(_, known, _): &&(Function, &str, usize)| known == name;
         let Some(&(function, _, count)) = Function::ALL.iter().find(known) else {

@@ -1,5 +1,6 @@
 //! The formulas of the specification (`spec-cases/formulas.yaml`), with the names that each formula may use.
 
+use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use serde::Deserialize;
@@ -21,11 +22,17 @@ pub enum Formula {
     Color,
     MatrixRow,
     Rendering,
+    ColorPlace,
+    FloatPlace,
+    FloatByte,
     FinalCoefficient,
     FinalColor,
+    ByteNumber,
     StoredValue,
+    ValueChannel,
     StoredRow,
     StoredColumn,
+    StoredTexel,
     RgbSample,
     LumSample,
     LrgbCoefficient,
@@ -35,6 +42,7 @@ pub enum Formula {
     Index,
     TableSample,
     TableColor,
+    BlockLength,
     RgbPlane,
     LrgbPlane,
     Transform,
@@ -77,7 +85,7 @@ pub enum Stage {
 
 impl Formula {
     /// All formulas with their names, in order from the image back to the bytes.
-    pub const ALL: [(Formula, &'static str); 45] = [
+    pub const ALL: [(Formula, &'static str); 52] = [
         (Formula::LightU, "light u"),
         (Formula::LightV, "light v"),
         (Formula::Polynomial, "polynomial"),
@@ -86,11 +94,17 @@ impl Formula {
         (Formula::Color, "color"),
         (Formula::MatrixRow, "matrix row"),
         (Formula::Rendering, "shown value"),
+        (Formula::ColorPlace, "color place"),
+        (Formula::FloatPlace, "float place"),
+        (Formula::FloatByte, "float byte"),
         (Formula::FinalCoefficient, "final coefficient"),
         (Formula::FinalColor, "final color"),
+        (Formula::ByteNumber, "number of a byte"),
         (Formula::StoredValue, "stored value"),
+        (Formula::ValueChannel, "channel of a value"),
         (Formula::StoredRow, "stored row"),
         (Formula::StoredColumn, "stored column"),
+        (Formula::StoredTexel, "stored texel"),
         (Formula::RgbSample, "RGB sample"),
         (Formula::LumSample, "LUM sample"),
         (Formula::LrgbCoefficient, "LRGB coefficient"),
@@ -100,6 +114,7 @@ impl Formula {
         (Formula::Index, "index"),
         (Formula::TableSample, "table sample"),
         (Formula::TableColor, "PTM_LUT color"),
+        (Formula::BlockLength, "length of a block"),
         (Formula::RgbPlane, "RGB plane"),
         (Formula::LrgbPlane, "LRGB plane"),
         (Formula::Transform, "transform"),
@@ -142,8 +157,12 @@ impl Formula {
     pub fn stage(self) -> Stage {
         match self {
             _ if self >= Formula::StoredRow => Stage::Decoding,
-            Formula::StoredValue => Stage::Planes,
-            Formula::FinalCoefficient | Formula::FinalColor => Stage::Coefficients,
+            Formula::StoredValue | Formula::ValueChannel => Stage::Planes,
+            Formula::FloatPlace
+            | Formula::FloatByte
+            | Formula::FinalCoefficient
+            | Formula::FinalColor
+            | Formula::ByteNumber => Stage::Coefficients,
             _ => Stage::Color,
         }
     }
@@ -157,6 +176,8 @@ impl Formula {
             Formula::MatrixRow | Formula::LumSample => format == Format::Lum,
             Formula::FinalColor => channels < 18,
             Formula::RgbSample => format == Format::Rgb,
+            // LUM has a single block.
+            Formula::BlockLength => format.coding().is_none() && format != Format::Lum,
             Formula::LrgbCoefficient | Formula::LrgbColor => format == Format::Lrgb,
             Formula::TableColor => format == Format::PtmLut,
             Formula::RgbPlane => format.coding().is_some() && channels == 18,
@@ -167,10 +188,16 @@ impl Formula {
         }
     }
 
+    /// Returns true if the formula only affects view coef.
+    #[must_use]
+    pub fn is_only_for_final_values(self) -> bool {
+        matches!(self, Formula::FloatPlace | Formula::FloatByte)
+    }
+
     /// Returns true if an edit of the formula may address bytes outside the data, in which case the decoder refuses the file.
     pub(crate) fn may_refuse(self) -> bool {
         let addresses = [
-            Formula::RgbSample..=Formula::Reference,
+            Formula::StoredTexel..=Formula::Reference,
             Formula::DisplacedX..=Formula::DisplacedY,
             Formula::EdgeX..=Formula::EdgeY,
             Formula::RecordCount..=Formula::RecordPlace,
@@ -194,7 +221,7 @@ impl Formula {
 /// A formula as stated in `formulas.yaml`.
 #[derive(Debug)]
 pub struct StatedFormula {
-    /// Clause that states or implies the formula.
+    /// Clause that states or implies the formula, or an empty text if the protocol states it.
     pub clause: &'static str,
     /// Description of the result, as a noun phrase.
     pub result: &'static str,
@@ -202,6 +229,8 @@ pub struct StatedFormula {
     pub scope: Scope,
     /// Expression in this scope.
     pub expression: Expression,
+    /// Explanations of variables: the index of the variable, and a text that completes "it is".
+    pub meanings: Vec<(usize, &'static str)>,
     /// Field of `Reading` that makes the same decision, if there is one.
     pub step: Option<&'static str>,
 }
@@ -216,6 +245,8 @@ struct FormulaRecord {
     variables: String,
     #[serde(default)]
     lists: String,
+    #[serde(default, rename = "where")]
+    meanings: BTreeMap<String, String>,
     step: Option<String>,
 }
 
@@ -243,6 +274,15 @@ fn read(text: &str) -> Result<Vec<StatedFormula>> {
             lists: names(record.lists),
         };
         let expression = parse(&record.formula, scope);
+        let index = |name: &str| scope.variables.iter().position(|known| *known == name);
+        let meaning = |(name, text): (String, String)| {
+            let unknown = || Error::Record {
+                line,
+                message: format!("unknown variable {name}"),
+            };
+            Ok((index(&name).ok_or_else(unknown)?, &*text.leak()))
+        };
+        let meanings: Result<Vec<_>> = record.meanings.into_iter().map(meaning).collect();
         Ok(StatedFormula {
             clause: record.clause.leak(),
             result: record.computes.leak(),
@@ -251,6 +291,7 @@ fn read(text: &str) -> Result<Vec<StatedFormula>> {
                 line,
                 message: error.to_string(),
             })?,
+            meanings: meanings?,
             step: record.step.map(|step| &*step.leak()),
         })
     };

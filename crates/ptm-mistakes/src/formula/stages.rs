@@ -82,14 +82,51 @@ pub fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
 #[must_use]
 pub fn stored_values<'a>(ptm: &'a Ptm, edits: Edits) -> Cow<'a, Ptm> {
     let mut ptm = Cow::Borrowed(ptm);
-    if edits.has_stage(Stage::Planes) {
-        let channels = ptm.planes.shape.channels();
-        for (k, sample) in ptm.to_mut().planes.samples.iter_mut().enumerate() {
+    if edits.is_edited(Formula::ValueChannel) {
+        write_to_channels(&mut ptm.to_mut().planes, edits);
+    }
+    if edits.is_edited(Formula::StoredValue) {
+        let planes = &mut ptm.to_mut().planes;
+        let (size, channels) = (planes.size, planes.shape.channels());
+        for (k, sample) in planes.samples.iter_mut().enumerate() {
             let [i, c] = coefficient_index(k % channels);
-            *sample = to_byte(edits.value(Formula::StoredValue, &[f64::from(*sample), i, c], &[]));
+            let [row, t] = stored_position(size, k / channels);
+            let [n, height] = [size.texels() as f64, f64::from(size.height)];
+            let variables = [f64::from(*sample), i, c, t, n, row, height];
+            *sample = to_byte(edits.value(Formula::StoredValue, &variables, &[]));
         }
     }
     ptm
+}
+
+/// Returns the stored row of an image texel, and its number in stored order, bottom row first.
+fn stored_position(size: Size, texel: usize) -> [f64; 2] {
+    let width = size.width as usize;
+    let row = size.height as usize - 1 - texel / width;
+    [row, row * width + texel % width].map(|number| number as f64)
+}
+
+/// Writes each value to an edited channel, as a decoder does that copies the values of one texel after the other, in stored order. A
+/// channel may be one of another texel. Later values overwrite earlier ones, and a channel that is never written is 0.
+fn write_to_channels(planes: &mut Planes, edits: Edits) {
+    let (width, channels) = (planes.size.width as usize, planes.shape.channels());
+    let offset = |channel| edits.value(Formula::ValueChannel, &coefficient_index(channel), &[]);
+    let offsets: Vec<f64> = (0..channels).map(offset).collect();
+    let mut written = vec![0; planes.samples.len()];
+    for row in planes
+        .samples
+        .chunks_exact(width * channels)
+        .enumerate()
+        .rev()
+    {
+        let (y, values) = row;
+        for (k, &value) in values.iter().enumerate() {
+            let texel = y * width + k / channels;
+            let address = (texel * channels) as f64 + offsets[k % channels];
+            write_at(&mut written, address, value);
+        }
+    }
+    planes.samples = written;
 }
 
 /// Returns the indices of a coefficient and of its polynomial. Colors, Cr and Cb count as coefficients of a second polynomial.
@@ -179,6 +216,21 @@ impl TexelLayout<'_> {
         for row in 0..self.header.size.height {
             for column in 0..self.header.size.width {
                 let texel = [f64::from(column), f64::from(row), width, height];
+                if edits.is_edited(Formula::StoredTexel) {
+                    let p = texel[1] * width + texel[0];
+                    let variables = [texel[0], texel[1], width, height, p];
+                    let t = edits.value(Formula::StoredTexel, &variables, &[]);
+                    // A texel before the first is in the same row.
+                    let stored_row = (t / width).floor().max(0.0);
+                    for channel in 0..channels {
+                        samples.push(if t.is_nan() {
+                            0
+                        } else {
+                            sample(stored_row, t - stored_row * width, channel)?
+                        });
+                    }
+                    continue;
+                }
                 let unedited = || (self.reading.stored_row)(self.header, row as usize) as f64;
                 let stored_row = edits.value_or(Formula::StoredRow, &texel, unedited);
                 let stored_column = edits.value_or(Formula::StoredColumn, &texel, || texel[0]);
@@ -206,7 +258,23 @@ impl TexelLayout<'_> {
         };
         let [entries, size, bytes] = table;
         let variables = [row, x, width, height, i, c, k as f64, entries, size, bytes];
-        self.edits.value(formula, &variables, &[])
+        let address = self.edits.value(formula, &variables, &[]);
+        if !self.edits.is_edited(Formula::BlockLength) {
+            return address;
+        }
+        let texels = width * height;
+        let earlier_blocks: &[(f64, [f64; 2])] = match formula {
+            Formula::RgbSample => &[(c, [texels, 6.0])],
+            Formula::LrgbColor => &[(1.0, [texels, 6.0])],
+            Formula::IndexByte => &[(1.0, [entries, size])],
+            Formula::TableColor => &[(1.0, [entries, size]), (1.0, [texels, bytes])],
+            _ => &[],
+        };
+        let shifts = earlier_blocks.iter().map(|(number, block)| {
+            let length = self.edits.value(Formula::BlockLength, block, &[]);
+            number * (length - block[0] * block[1])
+        });
+        address + shifts.sum::<f64>()
     }
 
     fn samples_of_blocks(&self, input: &Input) -> Result<Vec<u8>> {
@@ -584,14 +652,48 @@ pub fn final_values(ptm: &Ptm, reading: &Reading, edits: Edits) -> Coefficients 
                 true => Formula::FinalCoefficient,
                 false => Formula::FinalColor,
             };
-            if edits.is_edited(formula) {
+            if edits.is_edited(formula) || edits.is_edited(Formula::ByteNumber) {
                 let [i, c] = coefficient_index(channel);
-                let variables = [f64::from(raw), i, c];
+                let number = edits.value(Formula::ByteNumber, &[f64::from(raw), i, c], &[]);
+                let variables = [number, i, c];
                 *value = edits.value(formula, &variables, &[&set.scale, &set.bias]);
             }
         }
     }
     coefficients
+}
+
+/// Returns the final values as view coef shows them, if the bytes of its floats or their positions are computed with an edited formula.
+#[must_use]
+pub fn floats(values: Vec<f64>, edits: Edits) -> Vec<f64> {
+    if !edits.edits_any(Formula::FloatPlace..=Formula::FloatByte) {
+        return values;
+    }
+    let mut bytes = vec![0; 4 * values.len()];
+    for (v, &value) in values.iter().enumerate() {
+        // A number outside the range becomes the smallest integer, as on x86.
+        let is_in_range = value.abs() < f64::from(1_u32 << 31);
+        let integer = if is_in_range { value as i32 } else { i32::MIN }.cast_unsigned();
+        let bits = f64::from((value as f32).to_bits());
+        let place = edits.value(Formula::FloatPlace, &[v as f64], &[]);
+        for k in [0.0, 1.0, 2.0, 3.0] {
+            let variables = [bits, k, f64::from(integer)];
+            let byte = to_byte(edits.value(Formula::FloatByte, &variables, &[]));
+            write_at(&mut bytes, place + k, byte);
+        }
+    }
+    let (floats, _) = bytes.as_chunks();
+    floats
+        .iter()
+        .map(|&bytes| f64::from(f32::from_le_bytes(bytes)))
+        .collect()
+}
+
+/// Writes a value if its position is inside `data`.
+fn write_at<T>(data: &mut [T], position: f64, value: T) {
+    if position >= 0.0 && position.fract() == 0.0 && position < data.len() as f64 {
+        data[position as usize] = value;
+    }
 }
 
 /// Computes the image under a light with edited formulas (1.0, 2.6, 2.7.3).
@@ -614,32 +716,33 @@ pub fn image(
             (reading.polynomial)(a, u, v)
         })
     };
-    // `texel` contains the values from one texel to the last.
-    let at = |texel: &[f64], formula: Formula, variables: &[f64]| {
-        let channel = edits.value(formula, variables, &[]);
-        let is_index = channel >= 0.0 && channel.fract() == 0.0;
-        let value = texel.get(channel as usize).filter(|_| is_index);
-        value.copied().unwrap_or_default()
+    // A channel may be one of another texel.
+    let at = |start: usize, formula: Formula, variables: &[f64]| {
+        let index = start as f64 + edits.value(formula, variables, &[]);
+        let is_index = index >= 0.0 && index.fract() == 0.0;
+        let value = coefficients.values.get(index as usize);
+        value.filter(|_| is_index).copied().unwrap_or(f64::NAN)
     };
-    let intensity = |texel: &[f64], c: usize| {
+    let intensity = |start: usize, c: usize| {
         if !edits.is_edited(Formula::IntensityChannel) {
-            return polynomial(&texel[6 * c..6 * c + 6]);
+            return polynomial(&coefficients.values[start + 6 * c..][..6]);
         }
-        let coefficient = |i: usize| at(texel, Formula::IntensityChannel, &[i as f64, c as f64]);
+        let coefficient = |i: usize| at(start, Formula::IntensityChannel, &[i as f64, c as f64]);
         polynomial(&[0, 1, 2, 3, 4, 5].map(coefficient))
     };
-    let color = |texel: &[f64]| match coefficients.shape {
-        Shape::Rgb => [0, 1, 2].map(|c| intensity(texel, c)),
+    let color = |start: usize| match coefficients.shape {
+        Shape::Rgb => [0, 1, 2].map(|c| intensity(start, c)),
         Shape::Lrgb => {
-            let luminance = (reading.luminance)(intensity(texel, 0));
+            let luminance = (reading.luminance)(intensity(start, 0));
             [0.0, 1.0, 2.0].map(|k| {
-                let rgb = at(texel, Formula::ColorChannel, &[k]);
+                let rgb = at(start, Formula::ColorChannel, &[k]);
                 let unedited = || (reading.modulate)(luminance, rgb);
                 edits.value_or(Formula::Color, &[luminance, rgb], unedited)
             })
         }
         Shape::Lum(matrix) => {
-            let (y, cr, cb) = (intensity(texel, 0), texel[6], texel[7]);
+            let texel = &coefficients.values[start..];
+            let (y, cr, cb) = (intensity(start, 0), texel[6], texel[7]);
             if !edits.is_edited(Formula::MatrixRow) {
                 return evaluate::lum_color(&matrix, y, cr, cb, reading);
             }
@@ -652,16 +755,30 @@ pub fn image(
     };
     let clamp = |value: f64| {
         let clamped = edits.value_or(Formula::Rendering, &[value], || (reading.clamp)(value));
-        // A byte cannot represent NaN.
-        if clamped.is_nan() { 0.0 } else { clamped }
+        if clamped.is_nan() {
+            // A byte cannot represent NaN.
+            0.0
+        } else if edits.is_edited(Formula::Rendering) && clamped.is_finite() {
+            clamped - 256.0 * ((clamped + 0.5) / 256.0).floor()
+        } else {
+            clamped
+        }
     };
-    let (values, channels) = (&coefficients.values, coefficients.shape.channels());
-    let texels = (0..values.len()).step_by(channels);
+    let channels = coefficients.shape.channels();
+    let texels = (0..coefficients.values.len()).step_by(channels);
+    let colors = texels.flat_map(color).map(clamp);
+    let mut values: Vec<f64> = colors.collect();
+    if edits.is_edited(Formula::ColorPlace) {
+        let mut written = vec![0.0; values.len()];
+        for (index, value) in values.into_iter().enumerate() {
+            let variables = [index / 3, index % 3].map(|number| number as f64);
+            let place = edits.value(Formula::ColorPlace, &variables, &[]);
+            write_at(&mut written, place, value);
+        }
+        values = written;
+    }
     RelitImage {
         size: coefficients.size,
-        values: texels
-            .flat_map(|start| color(&values[start..]))
-            .map(clamp)
-            .collect(),
+        values,
     }
 }

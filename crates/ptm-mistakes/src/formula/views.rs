@@ -1,6 +1,6 @@
 //! Views of a decoded map, computed with edited formulas.
 
-use super::stages::{Edits, final_values, image, stored_values};
+use super::stages::{Edits, final_values, floats, image, stored_values};
 use ptm::Ptm;
 use ptm::reading::Reading;
 use ptm_suite::protocol::frame::{Frame, Light, Samples, View};
@@ -11,7 +11,7 @@ pub fn values(ptm: &Ptm, view: &View, reading: &Reading, edits: Edits) -> Vec<f6
     let finals = || final_values(ptm, reading, edits);
     match view {
         View::Raw => ptm.planes.samples.iter().copied().map(f64::from).collect(),
-        View::Coef => finals().values,
+        View::Coef => floats(finals().values, edits),
         View::Rgb(Light { lu, lv, .. }) => image(&finals(), *lu, *lv, reading, edits).values,
     }
 }

@@ -3,7 +3,7 @@
 use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::rules;
-use crate::diagnose::tuning::{MIN_SUPPORT, is_few, is_most};
+use crate::diagnose::tuning::{MIN_SUPPORT, is_few, is_most, is_nearly_all};
 use crate::diagnose::witness::{Witness, uniform_value};
 use ptm_suite::cases::Expect;
 use ptm_suite::protocol::frame::{Frame, ViewKind};
@@ -32,13 +32,13 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
     found.into_iter().map(diagnosis).collect()
 }
 
-/// Returns true if most failures are images that do not depend on the file. Mistakes match such images only by chance.
+/// Returns true if nearly all failures are images that do not depend on the file. Mistakes match such images only by chance.
 pub(in crate::diagnose) fn is_prevalent(witnesses: &[Witness]) -> bool {
     let failing = (0..witnesses.len()).filter(|&w| witnesses[w].failed);
     let failing: Vec<usize> = failing.collect();
     let found = find_uniform_images(witnesses, &failing);
     let count: usize = found.iter().map(|(_, indices)| indices.len()).sum();
-    is_most(count, failing.len())
+    is_nearly_all(count, failing.len())
 }
 
 /// Returns the effect and the cases of each view in which the failing images do not depend on the file.
