@@ -238,11 +238,19 @@ fn diagnose_member(
     let is_observation = misreading.symptom != Symptom::Values;
     if !is_shown(search, set, member.id, explained) || is_observation && !is_unique {
         let candidates = [&[misreading], &alike[..]].concat();
-        // A misreading that needs another mistake does not look the same.
+        // A misreading that needs an edit outside the catalog does not look the same.
+        let is_in_catalog =
+            |&id: &MistakeId| search.mistakes[id].unrestricted_misreading().is_some();
+        let others = without_id(set, member.id).into_iter().filter(is_in_catalog);
+        let others: MistakeSet = others.collect();
         let is_sufficient = |misreading: &&'static Misreading| {
-            let mistake = Mistake::unrestricted(misreading);
-            let explains = |&w: &usize| search.agreement_with(w, &[], &mistake).explains();
-            explained.iter().all(explains)
+            let is_same = |&id: &MistakeId| {
+                let other = search.mistakes[id].unrestricted_misreading();
+                other.is_some_and(|other| other.slug == misreading.slug)
+            };
+            let id = (0..search.mistakes.len()).find(is_same);
+            let set: MistakeSet = others.iter().copied().chain(id).collect();
+            explained.iter().all(|&w| search.explains(w, &set))
         };
         let alike: Vec<&'static Misreading> =
             candidates.into_iter().filter(is_sufficient).collect();

@@ -50,13 +50,11 @@ pub(super) fn explains_more_than_a_description(
     );
     let explains_first_view = || {
         // A wrong image in which the position is outside the data supports nothing and refutes nothing.
-        let is_outside = |w: usize| {
-            let agreement = search.agreement_with(w, set, mistake);
-            !search.witnesses[w].can_contradict(mistake, agreement)
-        };
         let is_changed = |w: &&usize| {
-            explained.contains(*w)
-                || search.changes_answer_with(**w, set, mistake) && !is_outside(**w)
+            let agreement = || search.changed_agreement_with(**w, set, mistake);
+            let can_contradict =
+                |agreement| search.witnesses[**w].can_contradict(mistake, agreement);
+            explained.contains(*w) || agreement().is_some_and(can_contradict)
         };
         let changed: Vec<ViewKind> = images.iter().filter(is_changed).map(|&w| view(w)).collect();
         let first = ViewKind::ALL.into_iter().find(|one| changed.contains(one));
@@ -117,16 +115,15 @@ pub(super) fn is_shown_by_responses(
     explained: &[usize],
 ) -> bool {
     let others = search.mistakes_in(&without_id(set, id));
-    let shows = |w: &usize| {
-        search.agreement(*w, set) == Agreement::Image
-            && !search.witnesses[*w].has_image_of_twin(&others)
+    let agreement = |w: usize| match search.agreement(w, set) {
+        Agreement::Image if search.witnesses[w].has_image_of_twin(&others) => Agreement::TwinImage,
+        other => other,
     };
-    let agreement = |w: &usize| search.agreement(*w, set);
-    let are_all = |expected: Agreement| explained.iter().all(|w| agreement(w) == expected);
+    let are_all = |expected: Agreement| explained.iter().all(|&w| agreement(w) == expected);
     match misreading.symptom {
         Symptom::Refusals if are_all(Agreement::Refusal) => true,
         Symptom::Acceptances if are_all(Agreement::TwinImage) => true,
-        _ => explained.iter().any(shows),
+        _ => explained.iter().any(|&w| agreement(w) == Agreement::Image),
     }
 }
 

@@ -300,10 +300,20 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Returns true if one more mistake changes the answer of a decoder with the mistakes in `set`.
-    pub fn changes_answer_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> bool {
-        self.witnesses[w].can_affect(mistake)
-            && self.fingerprint(w, &self.answer_with(w, set, mistake)) != self.effect(w, set).answer
+    /// Returns the agreement of a decoder with one more mistake, if the mistake changes the answer of a decoder with the mistakes in
+    /// `set`.
+    pub fn changed_agreement_with(
+        &self,
+        w: usize,
+        set: &[MistakeId],
+        mistake: &Mistake,
+    ) -> Option<Agreement> {
+        if !self.witnesses[w].can_affect(mistake) {
+            return None;
+        }
+        let answer = self.answer_with(w, set, mistake);
+        let is_changed = self.fingerprint(w, &answer) != self.effect(w, set).answer;
+        is_changed.then(|| self.witnesses[w].agreement(&answer))
     }
 
     /// Returns the small files whose responses contradict one more mistake, which need not be a candidate.

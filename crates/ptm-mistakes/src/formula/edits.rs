@@ -39,7 +39,7 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
 ];
 
 /// Edits that no operator generates: the name of the formula, and the expression.
-const FURTHER_EDITS: [(Formula, &str); 26] = [
+const FURTHER_EDITS: [(Formula, &str); 52] = [
     // The limits of a color are exchanged.
     (
         Formula::Rendering,
@@ -63,7 +63,24 @@ const FURTHER_EDITS: [(Formula, &str); 26] = [
         Formula::StoredValue,
         "select(at_most(height - 1, row), 0, raw)",
     ),
-    // The colors come before the coefficients.
+    // A value is written to another channel, or the colors come before the coefficients.
+    (Formula::ValueChannel, "c * 5 + i"),
+    (Formula::ValueChannel, "c * 7 + i"),
+    (Formula::ValueChannel, "c + 6 + i"),
+    (Formula::ValueChannel, "c * 6 - i"),
+    (Formula::ValueChannel, "i - c * 6"),
+    (Formula::ValueChannel, "c * 6 + i + 1"),
+    (Formula::ValueChannel, "c * 6 + i - 1"),
+    (Formula::ColorPlace, "t * 2 + k"),
+    (Formula::ColorPlace, "t * 4 + k"),
+    (Formula::ColorPlace, "t + 3 + k"),
+    (Formula::ColorPlace, "t * 3 - k"),
+    (Formula::ColorPlace, "t * 3 + k + 1"),
+    (Formula::ColorPlace, "t * 3 + k - 1"),
+    (Formula::FloatPlace, "3 * v"),
+    (Formula::FloatPlace, "4 + v"),
+    (Formula::FloatPlace, "4 * v + 1"),
+    (Formula::FloatPlace, "4 * v - 1"),
     (
         Formula::ValueChannel,
         "select(at_most(abs(c), 0), i + 3, i)",
@@ -94,6 +111,8 @@ const FURTHER_EDITS: [(Formula, &str); 26] = [
         Formula::StoredTexel,
         "select(at_most(abs(y), 0), none, (height - y) * width + x)",
     ),
+    (Formula::StoredTexel, "height - 1 - y + width + x"),
+    (Formula::StoredTexel, "(height - 1 - y) * width - x"),
     // Texels are written from right to left.
     (
         Formula::StoredTexel,
@@ -102,6 +121,35 @@ const FURTHER_EDITS: [(Formula, &str); 26] = [
     (
         Formula::StoredTexel,
         "select(at_most(height - 1, y), none, (height - 2 - y) * width + x)",
+    ),
+    // The bytes of a float are those of an integer, or are shifted by another number of bits.
+    (
+        Formula::FloatByte,
+        "mod(floor(integer / power(2, 8 * k)), 256)",
+    ),
+    (
+        Formula::FloatByte,
+        "mod(floor(bits / power(2, 8 * (3 - k))), 256)",
+    ),
+    (
+        Formula::FloatByte,
+        "mod(floor(bits * power(2, 8 * k)), 256)",
+    ),
+    (
+        Formula::FloatByte,
+        "mod(floor(bits / power(2, 7 * k)), 256)",
+    ),
+    (
+        Formula::FloatByte,
+        "mod(floor(bits / power(2, 9 * k)), 256)",
+    ),
+    (
+        Formula::FloatByte,
+        "mod(floor(bits / power(2, 8 + k)), 256)",
+    ),
+    (
+        Formula::FloatByte,
+        "mod(floor(bits / power(2, 8 * (k + 1))), 256)",
     ),
     // A byte of a float loses its lowest bit.
     (
@@ -117,6 +165,17 @@ const FURTHER_EDITS: [(Formula, &str); 26] = [
         Formula::FloatByte,
         "select(at_most(k, 0), 0, mod(floor(bits / power(2, 8 * k)), 256))",
     ),
+];
+
+/// Formulas without other edits. Operators would generate edits of another formula, or positions outside the data: a value that is
+/// written there looks like one that is never written.
+const ONLY_FURTHER_EDITS: [Formula; 6] = [
+    Formula::ColorPlace,
+    Formula::FloatPlace,
+    Formula::FloatByte,
+    Formula::ByteNumber,
+    Formula::ValueChannel,
+    Formula::StoredTexel,
 ];
 
 /// Formulas with variables that only further edits use: the number of variables for the operators.
@@ -142,8 +201,7 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
     let further = further.map(|(_, text)| {
         parse(text, whole_scope).unwrap_or_else(|error| unreachable!("invalid edit: {error}"))
     });
-    // Other edits of the number of a byte are edits of the stored value or of the final value.
-    if formula == Formula::ByteNumber {
+    if ONLY_FURTHER_EDITS.contains(&formula) {
         return as_edits(formula, further.collect());
     }
     let mut all = Vec::new();
