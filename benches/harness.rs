@@ -104,6 +104,8 @@ fn plan(selected: &[bool], serves: bool) -> RunPlan {
         },
         unanswered: Arc::default(),
         stop: Arc::default(),
+        fail_fast: false,
+        has_failure: Arc::default(),
     }
 }
 

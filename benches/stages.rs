@@ -47,6 +47,7 @@ fn codecs(criterion: &mut Criterion) {
     let options = jpeg::JpegOptions::new(90);
     let lossless = jpeg_ls::JpegLsOptions {
         near: 0,
+        precision: 8,
         presets: None,
     };
     let jpeg_stream = jpeg::encode(&samples, SIDE, SIDE, &options).stream;

@@ -99,6 +99,7 @@ pub fn streams(format: Format, width: u32, height: u32) -> Vec<Vec<u8>> {
         } else {
             let lossless = jpeg_ls::JpegLsOptions {
                 near: 0,
+                precision: 8,
                 presets: None,
             };
             jpeg_ls::encode(&samples, width, height, &lossless).stream

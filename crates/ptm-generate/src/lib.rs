@@ -32,7 +32,7 @@ mod indices;
 mod compressed;
 
 /// §2.9.2–2.9.5 Transforms, Motion Vectors, Order, Reference Planes
-pub mod predict;
+mod predict;
 
 /// §2.9.8 Compressed Coefficient Planes
 pub mod planes;
@@ -72,6 +72,7 @@ pub use error::{Error, Result};
 pub use model::Model;
 pub use output::GeneratedFile;
 pub use plan::Compression;
+pub use predict::{INVERSION, MOTION};
 pub use recipe::{Numbers, Recipe};
 pub use scene::Scene;
 pub use spelling::Spelling;

@@ -177,7 +177,9 @@ pub const CHANGES: Changes = |slug| {
                 if let Some((_, [bits @ 2..=7, ..])) =
                     segments(plane.bytes).find(|&(code, _)| code == 0xF7)
                 {
-                    samples.iter_mut().for_each(|sample| *sample <<= 8 - bits);
+                    for sample in &mut samples {
+                        *sample <<= 8 - bits;
+                    }
                 }
                 Ok(samples)
             };

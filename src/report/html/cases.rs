@@ -44,13 +44,18 @@ impl Group<'_> {
     }
 }
 
-/// Groups the failing cases of a report by cause. The unexplained cases come last.
+/// Groups the failing cases of a report by cause. The example of a cause is its first case. The unexplained cases come last.
 pub(super) fn groups(report: &Report) -> Vec<Group<'_>> {
     let mut groups = Vec::new();
     for cause in report.diagnoses.iter().map(Some).chain([None]) {
         let failing = report.with_outcome(Outcome::Fail);
         let is_caused = |case: &&CaseResult| report.cause_of(case) == cause;
-        let cases: Vec<_> = failing.filter(is_caused).collect();
+        let mut cases: Vec<_> = failing.filter(is_caused).collect();
+        if let Some(example) = cause.and_then(|cause| cause.explains.first())
+            && let Some(first) = cases.iter().position(|case| case.id == *example)
+        {
+            cases[..=first].rotate_right(1);
+        }
         if !cases.is_empty() {
             groups.push(Group { cause, cases });
         }

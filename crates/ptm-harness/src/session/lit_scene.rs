@@ -11,8 +11,8 @@ use ptm::decode::decode;
 use ptm::evaluate::{Coefficients, polynomial};
 use ptm::{Coding, Format, Ptm, Shape, Size};
 use ptm_generate::plan::{Residuals, Structure};
-use ptm_generate::predict::{INVERSION, MOTION};
-use ptm_generate::{Model, Recipe, spelling::Count, write};
+
+use ptm_generate::{INVERSION, MOTION, Model, Recipe, spelling::Count, write};
 use ptm_suite::features::Feature;
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use ptm_suite::protocol::request::Request;
@@ -289,6 +289,12 @@ pub fn ball(side: u32) -> Coefficients {
     }
 }
 
+/// Brightness of the matte part of the surface.
+const MATTE: f64 = 130.0;
+
+/// Brightness of the gloss.
+const GLOSS: f64 = 180.0;
+
 fn texel(x: f64, y: f64) -> [f64; 9] {
     let above = 1.0 - x * x - y * y;
     if above < 0.0 {
@@ -309,8 +315,6 @@ fn texel(x: f64, y: f64) -> [f64; 9] {
     };
     // The height of the light is √(1 − u² − v²). It is approximately 1 − (u² + v²) / 2 in the dot product, and 1 in the square's
     // linear terms.
-    const MATTE: f64 = 130.0;
-    const GLOSS: f64 = 180.0;
     let curve = |along: f64| GLOSS * (along * along - z * z) - MATTE * z / 2.0;
     let slope = |along: f64| MATTE * along + 2.0 * GLOSS * along * z;
     let height = 20.0 + MATTE * z + GLOSS * z * z;
