@@ -50,6 +50,8 @@ pub struct Decoder {
     pub stop: Arc<AtomicBool>,
     /// An exit status other than 65 that also means a refusal.
     pub reject_exit: Option<i32>,
+    /// An exit status other than 0 that also means success.
+    pub success_exit: Option<i32>,
     /// Locale of the decoder, `C` by default.
     pub locale: String,
     trouble: Arc<OnceLock<String>>,
@@ -58,7 +60,7 @@ pub struct Decoder {
 /// Result of a call.
 #[derive(Clone, Debug)]
 pub struct CallResult {
-    /// The output if the exit status is 0, or else the failure.
+    /// The output if the exit status means success, or else the failure.
     pub output: Result<Vec<u8>, Answer>,
     /// Start of standard error.
     pub stderr: String,
@@ -141,6 +143,7 @@ impl Decoder {
             memory: 2 << 30,
             stop: Arc::default(),
             reject_exit: None,
+            success_exit: None,
             locale: "C".to_owned(),
             trouble: Arc::default(),
         })
@@ -241,7 +244,7 @@ impl Decoder {
         let mut result = self.run_command(&words, max_bytes, time, work_dir)?;
         if let (Ok(stdout), Some(file)) = (&mut result.output, &output_file) {
             result.stdout = std::mem::take(stdout);
-            result.output = file.read(max_bytes)?;
+            result.output = file.read(max_bytes, result.exit)?;
         }
         result.stderr = workspace.strip_directories(&result.stderr);
         if !is_unchanged(&input, request.file)? {
@@ -363,7 +366,7 @@ impl Decoder {
         })
     }
 
-    /// Returns the answer that an exit status represents, or `None` for 0.
+    /// Returns the answer that an exit status represents, or `None` for success.
     fn failure_answer(&self, status: ExitStatus) -> Result<Option<Answer>, Trouble> {
         let too_large = status.signal() == Some(Signal::XFSZ.as_raw());
         if too_large && processes::is_file_size_limited_by_environment() {
@@ -372,6 +375,7 @@ impl Decoder {
         }
         Ok(match status.code() {
             Some(0) => None,
+            Some(code) if Some(code) == self.success_exit => None,
             Some(EXIT_UNSUPPORTED) => Some(Answer::Unsupported),
             Some(EXIT_MALFORMED) => Some(Answer::Rejected),
             Some(code) if Some(code) == self.reject_exit => Some(Answer::Rejected),

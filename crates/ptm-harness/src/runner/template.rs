@@ -299,13 +299,23 @@ impl OutputFile {
         })
     }
 
-    /// Reads at most `max_bytes` bytes of the file. Follows no links, and opens only regular files.
-    pub(crate) fn read(&self, max_bytes: usize) -> Result<Result<Vec<u8>, Answer>, Trouble> {
+    /// Reads at most `max_bytes` bytes of the file that a program has written. `exit` is the exit status of the program. Follows
+    /// no links, and opens only regular files.
+    pub(crate) fn read(
+        &self,
+        max_bytes: usize,
+        exit: Option<i32>,
+    ) -> Result<Result<Vec<u8>, Answer>, Trouble> {
         let fault = |why: &str| Ok(Err(Answer::ProtocolError(format!("the output file {why}"))));
         let flags = OFlags::RDONLY | OFlags::NOFOLLOW | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let file = match rustix::fs::openat(&self.directory, &self.name, flags, Mode::empty()) {
             Ok(file) => File::from(file),
-            Err(Errno::NOENT) => return fault("is missing, although the program exited with 0"),
+            Err(Errno::NOENT) => {
+                let status = exit.unwrap_or_default();
+                return fault(&format!(
+                    "is missing, although the program exited with {status}"
+                ));
+            }
             Err(Errno::LOOP) => return fault("is a link"),
             Err(error) if is_shortage(&error.into()) => {
                 return Err(Trouble::new("read an output file", &error.into()));

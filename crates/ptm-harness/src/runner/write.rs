@@ -91,7 +91,7 @@ impl Decoder {
             result.output = Err(Answer::Flooded(says));
         } else if let Ok(stdout) = &mut result.output {
             result.stdout = std::mem::take(stdout);
-            result.output = output.read(call.max_bytes)?;
+            result.output = output.read(call.max_bytes, result.exit)?;
         }
         inputs.push((input, request.as_bytes()));
         for (path, bytes) in inputs {
