@@ -44,12 +44,16 @@ def read_png(path):
 
 
 def read_lp(path):
-    """Returns the light vectors, and the images: lights × height × width × 3."""
-    with open(path) as file:
+    """Returns the light vectors, their rank tolerance, and the images: lights × height × width × 3."""
+    with open(path, encoding="utf-8") as file:
         lines = [line.split() for line in file if line.strip()][1:]
     folder = os.path.dirname(path)
     lights = np.array([[float(number) for number in line[-3:]] for line in lines])
-    return lights, np.array([read_png(os.path.join(folder, " ".join(line[:-3]))) for line in lines])
+    # The terms of lights on a ring are dependent, but those of the rounded vectors in the file are not.
+    decimals = max(len(number.partition(".")[2]) for line in lines for number in line[-3:])
+    tolerance = min(max(10.0 ** -decimals / np.linalg.norm(lights, axis=1).min(), 1e-5), 3e-3)
+    images = np.array([read_png(os.path.join(folder, " ".join(line[:-3]))) for line in lines])
+    return lights, tolerance, images
 
 
 def terms(lights):
@@ -59,9 +63,9 @@ def terms(lights):
     return np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=1)
 
 
-def fit(design, values):
-    """Returns the least-squares solution. If there are several, it has the smallest norm."""
-    return np.linalg.lstsq(design, values, rcond=1e-6)[0]
+def fit(design, values, tolerance):
+    """Returns the least-squares solution. If there are several within the tolerance, it has the smallest norm."""
+    return np.linalg.lstsq(design, values, rcond=tolerance)[0]
 
 
 def split_color(design, coefficients):
@@ -76,8 +80,13 @@ def split_color(design, coefficients):
 def scale_and_bias(coefficients):
     """2.4: returns six scales and biases for the ranges of the coefficients. Biases are integers."""
     low, high = coefficients.min(axis=1), coefficients.max(axis=1)
-    scale = np.maximum((high - low) / 254, 1e-6)
-    return scale, np.round(-low / scale)
+    scale = np.maximum((high - low) / 254, np.abs(low) / 1e4)
+    bias = np.round(-low / np.maximum(scale, 1e-9))
+    # A constant is stored as 255 if it is positive, or as 0.
+    constant, middle = high - low < 0.01, (high + low) / 2
+    zero = constant & (np.abs(middle) < 0.01)
+    scale = np.where(zero, 1, np.where(constant, np.abs(middle) / 255, scale))
+    return scale, np.where(constant, np.where(zero | (middle > 0), 0, 255), bias)
 
 
 def stored(coefficients, scale, bias):
@@ -88,11 +97,11 @@ def stored(coefficients, scale, bias):
 
 def write(request):
     """Returns the PTM file."""
-    lights, images = read_lp(request["lp"])
+    lights, tolerance, images = read_lp(request["lp"])
     # Texels are stored with the bottom row first (2.7).
     texels = images[:, ::-1].reshape(len(images), -1)
     design = terms(lights)
-    coefficients = fit(design, texels.astype(float)).reshape(6, -1, 3)
+    coefficients = fit(design, texels.astype(float), tolerance).reshape(6, -1, 3)
     if request["format"] == "PTM_FORMAT_LRGB":
         luminance, color = split_color(design, coefficients)
         scale, bias = scale_and_bias(luminance)

@@ -5,7 +5,7 @@ use std::time::Duration;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use ptm::Format;
-use ptm_suite::protocol::frame::{EXIT_UNSUPPORTED, ViewKind};
+use ptm_suite::protocol::frame::{EXIT_MALFORMED, EXIT_UNSUPPORTED, ViewKind};
 
 /// Converts a timeout in seconds to a duration. Rejects zero, negative and non-finite values.
 pub fn positive_seconds(seconds: f64) -> Result<Duration, String> {
@@ -21,6 +21,16 @@ pub fn parse_refusal(text: &str) -> Result<i32, String> {
     let status = status.filter(|n| (1..=255).contains(n) && *n != EXIT_UNSUPPORTED);
     let expected = "expected an exit status from 1 to 255 other than";
     status.ok_or_else(|| format!("{expected} {EXIT_UNSUPPORTED}, found {text:?}"))
+}
+
+/// Parses an exit status to treat as success. Rejects 0, 65 and 69, which have other meanings.
+pub fn parse_success(text: &str) -> Result<i32, String> {
+    let is_free =
+        |n: &i32| (1..=255).contains(n) && ![EXIT_MALFORMED, EXIT_UNSUPPORTED].contains(n);
+    let expected = "expected an exit status from 1 to 255 other than";
+    text.parse().ok().filter(is_free).ok_or_else(|| {
+        format!("{expected} {EXIT_MALFORMED} and {EXIT_UNSUPPORTED}, found {text:?}")
+    })
 }
 
 /// Parses a number of bytes, optionally followed by the suffix K, M or G.

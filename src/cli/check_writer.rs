@@ -6,28 +6,31 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use super::arguments::{id_filter, parse_success};
 use super::ending::{OutputArgs, ReportWriter};
 use super::guard::{ScratchGuard, stop_on_signals};
 use super::subject::{decoder_for_command, decoder_from_template};
 use super::{CommandError, CommandResult, EXIT_NOTHING_SELECTED};
-use super::{arguments::id_filter, calls::RunArgs, display::Display, output::jobs};
+use super::{calls::RunArgs, display::Display, output::jobs};
 use crate::report::html::{self, Evidence};
 use ptm::Format;
-use ptm_harness::pipeline::subject::OneShot;
+use ptm_harness::pipeline::subject::Subject;
 use ptm_harness::pipeline::{self, Check, Checked};
-use ptm_harness::report::shards::Circumstances;
+use ptm_harness::report::shards::{Circumstances, OtherRemarks};
 use ptm_harness::runner::processes;
-use ptm_harness::runner::run::Decoder;
 use ptm_harness::runner::template::Template;
+use ptm_harness::runner::{run::Decoder, scratch::Scratch};
 use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_suite::cases::Suite;
-use ptm_suite::protocol::request::Request;
-use ptm_writers::asking::{self, VALUES};
+use ptm_suite::protocol::request::{Reply, Request};
+use ptm_writers::asking;
 use ptm_writers::cases::load_writer_requests;
 use ptm_writers::fitting::cases::load_fitter_requests;
-use ptm_writers::fitting::photographs::ImageSet;
-use ptm_writers::test_case::{FileCase, RequestValues, WriteView};
+use ptm_writers::fitting::photographs::{Encoding, ImageSet};
+use ptm_writers::notes::Notes;
+use ptm_writers::test_case::{FileCase, RequestValues, WriteView, WrittenFile};
 
 /// Check a program that writes PTM files and name the clauses that it gets wrong.
 ///
@@ -40,7 +43,7 @@ use ptm_writers::test_case::{FileCase, RequestValues, WriteView};
 /// removed, 5 no request was selected.
 #[derive(Args)]
 #[command(
-    after_help = "Examples:\n  ptm-conform check-writer ./my-writer\n  ptm-conform check-writer --ptm-format LRGB -- python3 write.py\n  ptm-conform check-writer --ptm-format LRGB --cmd 'convert-to-ptm --size {width}x{height} --scale {scale} --bias {bias} {planes} {out}.ptm'"
+    after_help = "Examples:\n  ptm-conform check-writer ./my-writer\n  ptm-conform check-writer --ptm-format LRGB -- python3 write.py\n  ptm-conform check-writer --ptm-format LRGB --cmd 'convert-to-ptm --size {width}x{height} --scale {scale} --bias {bias} {planes} {out}.ptm'\n  ptm-conform check-writer --fitter --images jpeg --ok-exit 1 --ptm-format LRGB --cmd 'PTMfitter -i {lp} -o {out}.ptm'"
 )]
 pub struct CheckWriterArgs {
     #[command(flatten)]
@@ -63,19 +66,31 @@ pub struct CheckWriterArgs {
     /// Also request a fit to the images listed in this .lp file.
     #[arg(long, value_name = "FILE", requires = "fitter")]
     lp: Option<PathBuf>,
+    /// How the images are encoded that a fitter receives.
+    #[arg(long, value_name = "FORMAT", requires = "fitter", default_value = "png", value_parser = encoding_parser())]
+    images: Encoding,
     /// Check a program that does not speak the protocol by running this command line.
     ///
     /// The line is split into words as in a shell, but no shell is run. {out} is the output file and may have a suffix
-    /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array; {lp} is the .lp file of a fitter; {format},
-    /// {width}, {height}, {scale}, {bias}, {matrix}, {quality} and {near} are values from the request. The numbers in a list are
-    /// separated by commas. {{ and }} are braces.
+    /// ({out}.ptm); {in} is the request in JSON; {planes} is the NumPy array; {format}, {width}, {height}, {scale},
+    /// {bias}, {matrix}, {quality} and {near} are values from the request. With --fitter, the placeholders are {out}, {in}, {lp} (the
+    /// .lp file), {format}, {width} and {height}. The numbers in a list are separated by commas. {{ and }} are braces.
     #[arg(long, value_name = "TEMPLATE", conflicts_with = "writer")]
     cmd: Option<String>,
+    /// An exit status other than 0 that also means success. The file is then judged.
+    #[arg(long, value_name = "N", value_parser = parse_success)]
+    ok_exit: Option<i32>,
     #[command(flatten)]
     output: OutputArgs,
     /// The writer and its arguments. Without a writer, the built-in writer is checked.
     #[arg(value_name = "WRITER", trailing_var_arg = true)]
     writer: Vec<OsString>,
+}
+
+/// Returns a parser for the name of an image format that is sent to fitters.
+fn encoding_parser() -> impl TypedValueParser<Value = Encoding> {
+    PossibleValuesParser::new(Encoding::NAMES)
+        .map(|name| Encoding::from_name(&name).expect("a possible value"))
 }
 
 /// Maximum size in bytes of the output of a writer. All requested files are much smaller.
@@ -88,7 +103,11 @@ pub fn run(args: &CheckWriterArgs) -> CommandResult {
     args.output.check(&args.run.report)?;
     if args.fitter {
         let own = args.lp.as_deref().map(ImageSet::read).transpose()?;
-        check(args, &load_fitter_requests(own.as_ref()), &stop)
+        check(
+            args,
+            &load_fitter_requests(own.as_ref(), args.images),
+            &stop,
+        )
     } else {
         check(args, &load_writer_requests()?, &stop)
     }
@@ -111,7 +130,7 @@ fn check<V: RequestValues>(
         let says = "no request matches --case, --ptm-format and --smoke";
         return Err(CommandError::new(EXIT_NOTHING_SELECTED, says));
     }
-    let (writer, words) = args.writer(V::VERB, stop)?;
+    let (program, words) = args.writer::<V>(stop)?;
     let guarded = ScratchGuard::new()?;
     let plan = RunPlan {
         selected,
@@ -127,12 +146,11 @@ fn check<V: RequestValues>(
         },
         ..Check::new(suite, &plan)
     };
-    let subject = OneShot {
-        program: &writer,
-        ask: |request: &Request<'_, WriteView>, _: usize| {
-            let case = suite.case(request.name).expect("the case exists");
-            asking::request_file(&writer, case, request.attempt, &guarded.scratch)
-        },
+    let subject = Writer {
+        program,
+        suite,
+        scratch: &guarded.scratch,
+        notes: Notes::default(),
     };
     let report_writer = ReportWriter::new(suite, &args.run.report, &args.output)?;
     let display = Display::new(report_writer, None)?;
@@ -141,15 +159,49 @@ fn check<V: RequestValues>(
     Ok(display.finish(run.ending(), report, &evidence)?)
 }
 
+/// A program that writes files, and notes on them.
+struct Writer<'a, V: RequestValues> {
+    program: Decoder,
+    suite: &'a Suite<FileCase<V>>,
+    scratch: &'a Scratch,
+    notes: Notes,
+}
+
+impl<V: RequestValues> Subject<WriteView, WrittenFile> for Writer<'_, V> {
+    fn ask(&self, request: &Request<'_, WriteView>, _: usize) -> Reply<WrittenFile> {
+        let case = self.suite.case(request.name).expect("the case exists");
+        let reply = asking::request_file(&self.program, case, request.attempt, self.scratch);
+        self.notes.add(case, &reply.answer);
+        reply
+    }
+
+    fn trouble(&self) -> Option<String> {
+        self.program.trouble().map(str::to_owned)
+    }
+
+    fn remarks(&self) -> OtherRemarks {
+        OtherRemarks {
+            after: self.notes.remarks(),
+            ..OtherRemarks::default()
+        }
+    }
+}
+
 impl CheckWriterArgs {
     /// Returns the writer with its limits applied, and the writer's command line for the report.
-    fn writer(&self, verb: &str, stop: &Arc<AtomicBool>) -> Result<(Decoder, Vec<String>), String> {
+    fn writer<V: RequestValues>(
+        &self,
+        stop: &Arc<AtomicBool>,
+    ) -> Result<(Decoder, Vec<String>), String> {
         let (mut writer, words) = match &self.cmd {
-            Some(text) => decoder_from_template(text, Template::parse_for_writer(text, &VALUES))?,
+            Some(text) => {
+                decoder_from_template(text, Template::parse_for_writer(text, V::PLACEHOLDERS))?
+            }
             None => decoder_for_command(&self.writer)
-                .map(|(program, words)| (program.as_writer(verb), words))?,
+                .map(|(program, words)| (program.as_writer(V::VERB), words))?,
         };
         self.run.calls.apply_limits(&mut writer, stop)?;
+        writer.success_exit = self.ok_exit;
         Ok((writer, words))
     }
 

@@ -17,6 +17,7 @@ use ptm_suite::kit::escape_controls;
 use ptm_suite::name::SuiteName;
 use ptm_writers::cases::load_writer_requests;
 use ptm_writers::fitting::cases::load_fitter_requests;
+use ptm_writers::fitting::photographs::Encoding;
 
 /// Show, compare, merge and convert reports of check.
 #[derive(Args)]
@@ -149,7 +150,7 @@ pub fn run(args: &ReportArgs) -> CommandResult {
         SuiteName::Ptm => SuiteTexts::new(&Suite::load()?)?,
         SuiteName::Texture => SuiteTexts::new(&Suite::load_texture()?)?,
         SuiteName::Writers => SuiteTexts::new(&load_writer_requests()?)?,
-        SuiteName::Fitters => SuiteTexts::new(&load_fitter_requests(None))?,
+        SuiteName::Fitters => SuiteTexts::new(&load_fitter_requests(None, Encoding::default()))?,
     };
     convert(&args.command, &reports, &texts)
 }

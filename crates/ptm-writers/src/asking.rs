@@ -8,11 +8,6 @@ use ptm_suite::protocol::frame::Answer;
 use ptm_suite::protocol::request::{AttemptKind, Reply};
 use ptm_suite::{cases::TableSpelling, test_case::TestCase};
 
-/// Names of request values that a template can refer to, in addition to `{in}` and `{out}`.
-pub const VALUES: [&str; 10] = [
-    "planes", "format", "width", "height", "scale", "bias", "matrix", "quality", "near", "lp",
-];
-
 /// Requests the file of a case. `attempt` determines the time limit.
 pub fn request_file<V: RequestValues>(
     writer: &Decoder,

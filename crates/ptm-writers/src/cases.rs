@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use crate::reference::write_requested_file;
 use crate::request::{PredictionAdvice, RequestHeader, WriteRequest};
 use crate::test_case::{BuiltRequest, FileCase, RequestValues};
 use crate::{diagnose::diagnose, fault::WriterFault, judge::judge};
@@ -99,6 +100,9 @@ impl RequestValues for Recipe {
     const SUITE: SuiteName = SuiteName::Writers;
     const VERB: &'static str = "write";
     const EXPECTED: &'static str = "a file";
+    const PLACEHOLDERS: &'static [&'static str] = &[
+        "planes", "format", "width", "height", "scale", "bias", "matrix", "quality", "near",
+    ];
 
     fn entries(&self) -> Option<u32> {
         self.format.has_table().then_some(self.entries)
@@ -163,6 +167,10 @@ impl RequestValues for Recipe {
 
     fn judge(request: &WriteRequest, _: Format, file: &[u8]) -> Result<(), WriterFault> {
         judge(request, file)
+    }
+
+    fn reference_file(request: &WriteRequest, _: Format) -> Option<Vec<u8>> {
+        write_requested_file(request).ok()
     }
 
     fn to_bytes(built: &BuiltRequest<WriteRequest>) -> Vec<u8> {

@@ -27,6 +27,8 @@ pub mod judge;
 mod lossy;
 mod misread_file;
 #[cfg(unix)]
+pub mod notes;
+#[cfg(unix)]
 pub mod probe;
 pub mod reference;
 pub mod request;

@@ -98,6 +98,8 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     const VERB: &'static str;
     /// Description of the expected result, unless it is a refusal.
     const EXPECTED: &'static str;
+    /// Names of the placeholders of a template, in addition to `{in}` and `{out}`.
+    const PLACEHOLDERS: &'static [&'static str];
 
     /// Returns the number of distinct polynomials for formats with a table, or `None` for other formats.
     fn entries(&self) -> Option<u32> {
@@ -117,6 +119,8 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     /// # Errors
     /// Returns the fault of the file.
     fn judge(request: &Self::Request, format: Format, file: &[u8]) -> Result<(), WriterFault>;
+    /// Returns the file that the reference writes, if it can.
+    fn reference_file(request: &Self::Request, format: Format) -> Option<Vec<u8>>;
     /// Returns all values as bytes, for the digest of the suite.
     fn to_bytes(built: &BuiltRequest<Self::Request>) -> Vec<u8>;
     /// Returns a caption, and text that describes the request on a page.

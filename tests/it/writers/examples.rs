@@ -29,6 +29,9 @@ fn template_may_call_any_program() {
 fn check_writer_exit_statuses_match_check() {
     check_writer("-- true").assert_exit(3, "true is not a writer");
     check_writer("--case no-such-case").assert_exit(5, "");
+    check_writer("--ok-exit 65 -- true").assert_exit(2, "other than 65 and 69");
+    check_writer("--cmd 'true {in} {out}'").assert_exit(3, "{matrix}, {quality} and {near}");
+    check_writer("--ok-exit 1 -- false").assert_exit(3, "although the program exited with 1");
     Workspace::new().exits(2, "reference write no-such-request.json");
 }
 

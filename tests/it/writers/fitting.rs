@@ -5,15 +5,15 @@ use std::path::Path;
 
 use ptm::Format;
 use ptm::decode;
-use ptm_writers::fitting::photographs::{FORMATS, FitRequest, ImageSet};
+use ptm_writers::fitting::photographs::{Encoding, FORMATS, FitRequest, ImageSet};
 use ptm_writers::fitting::polynomials::Polynomials;
 use ptm_writers::fitting::sets::SETS;
 use ptm_writers::fitting::{judge::judge, optimum::optimum};
 use ptm_writers::{reference::write_requested_file, request::WriteRequest};
 
 use crate::common::{
-    Workspace, check_writer, edit, have_python, python_example, repository, repository_text, rows,
-    skip,
+    PROGRAM, Workspace, check_writer, edit, have_python, outcome, python_example, repository,
+    repository_text, rows, skip,
 };
 
 /// Returns the path of the `.lp` file for twelve real photographs, stored next to HP's fit, or `None` if the file is missing.
@@ -71,7 +71,7 @@ fn image_sets_round_trip_through_files() {
     let folder = tempfile::tempdir().expect("a directory");
     for photograph in &set.photographs {
         let path = folder.path().join(&photograph.name);
-        fs::write(path, photograph.png(set.size)).expect("a file");
+        fs::write(path, photograph.file(set.size, Encoding::Png)).expect("a file");
     }
     let lp = folder.path().join("lights.lp");
     fs::write(&lp, set.lp()).expect("a file");
@@ -140,23 +140,24 @@ fn reference_and_python_fitter_pass() {
 }
 
 /// Copies of the Python fitter, each with one mistake: the text to replace, the replacement, and a part of the first
-/// cause. The seventh copy chooses an arbitrary solution if there are several.
+/// cause. The eighth copy chooses an arbitrary solution if there are several.
 const COPIES: &str = r#"
 u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 0], -lights[:, 1] | negates v
+rcond=tolerance | rcond=1e-7 | although the lights do not determine all coefficients
 u, v = lights[:, 0], lights[:, 1] | u, v = lights[:, 1], lights[:, 0] | swaps u and v
 lights = lights / np.linalg.norm(lights, axis=1, keepdims=True) | pass | does not normalize the light vectors
 images[:, ::-1] | images | stores the top row first
 texels = images[:, ::-1] | texels = images[:, ::-1, :, ::-1] | swaps red and blue
-fit(design, texels.astype(float)) | fit(design, (texels / 255) ** 2.2 * 255) | removes the gamma of the images
-np.linalg.lstsq(design, values, rcond=1e-6)[0]
-  | np.linalg.lstsq(design, values, rcond=1e-6)[0] + 3000 * np.linalg.svd(design)[2][len(design):].sum(axis=0)[:, None] * np.sin(np.arange(values.shape[1]))
+fit(design, texels.astype(float), | fit(design, (texels / 255) ** 2.2 * 255, | removes the gamma of the images
+np.linalg.lstsq(design, values, rcond=tolerance)[0]
+  | np.linalg.lstsq(design, values, rcond=tolerance)[0] + 3000 * np.linalg.svd(design)[2][len(design):].sum(axis=0)[:, None] * np.sin(np.arange(values.shape[1]))
   | fits without a constraint
-return scale, np.round(-low / scale) | return scale, np.zeros(6) | clamps coefficients
-np.maximum((high - low) / 254, 1e-6) | np.full(6, 16.0) | scales that are too coarse
+bias = np.round(-low / np.maximum(scale, 1e-9)) | bias = np.zeros(6) | clamps coefficients
+np.maximum((high - low) / 254, np.abs(low) / 1e4) | np.full(6, 16.0) | scales that are too coarse
 raw = np.round(coefficients / scale[:, None] + bias[:, None])
   | raw = np.round(coefficients / scale[:, None] + bias[:, None]); bias *= -scale; bias[:] = np.round(bias)
   | added after scaling
-return scale, np.round(-low / scale) | return scale, np.round(low / scale) | clamps coefficients
+bias = np.round(-low / np.maximum(scale, 1e-9)) | bias = np.round(low / np.maximum(scale, 1e-9)) | clamps coefficients
 raw = np.round(coefficients / scale[:, None] + bias[:, None])
   | raw = np.round(coefficients / scale[:, None] + bias[:, None]); bias *= -1 | biases with the wrong sign
 np.stack([u * u, v * v, u * v, u, v, np.ones_like(u)], axis=1)
@@ -181,4 +182,204 @@ fn faulty_fitters_fail_with_the_cause() {
         let is_named = first.is_some_and(|first| first.contains(&words));
         assert!(is_named, "{replace}: {words}\n{}", checked.text);
     }
+}
+
+#[test]
+fn image_sets_round_trip_in_every_encoding() {
+    for name in Encoding::NAMES {
+        let encoding = Encoding::from_name(name).expect("an encoding");
+        let plain = SETS[0].make(Format::Rgb);
+        let sent = plain.clone().encoded_as(encoding);
+        let folder = tempfile::tempdir().expect("a directory");
+        for photograph in &sent.photographs {
+            let path = folder.path().join(&photograph.name);
+            fs::write(path, photograph.file(sent.size, encoding)).expect("a file");
+        }
+        let lp = folder.path().join("lights.lp");
+        fs::write(&lp, sent.lp()).expect("a file");
+        let read = ImageSet::read(&lp).expect("the set");
+        for ((read, sent), plain) in read
+            .photographs
+            .iter()
+            .zip(&sent.photographs)
+            .zip(&plain.photographs)
+        {
+            assert_eq!(read.pixels, sent.pixels, "{name}");
+            let errors = plain.pixels.iter().zip(&sent.pixels);
+            let largest = errors.map(|(a, b)| a.abs_diff(*b)).max();
+            let limit = if encoding == Encoding::Jpeg { 24 } else { 0 };
+            assert!(largest <= Some(limit), "{name}: {largest:?}");
+        }
+        check_writer(&format!(
+            "--fitter --images {name} --case fit-lrgb-ordinary --case fit-rgb-noise"
+        ))
+        .assert_exit(0, "");
+    }
+    check_writer("--fitter --images gif").assert_exit(2, "jpeg");
+    check_writer("--images ppm").assert_exit(2, "--fitter");
+}
+
+#[test]
+fn names_in_an_image_set_are_distinct_and_have_no_directory() {
+    let mut set = SETS[0].make(Format::Rgb);
+    for (photograph, name) in
+        set.photographs
+            .iter_mut()
+            .zip(["a/x.jpg", "b/x.jpg", "C:\\dome\\x.tif", "x", "été.png"])
+    {
+        photograph.name = name.to_owned();
+    }
+    let sent = set.encoded_as(Encoding::Ppm);
+    let names: Vec<&str> = sent.photographs.iter().map(|p| &*p.name).collect();
+    let expected = [
+        "x.ppm",
+        "1-x.jpg.ppm",
+        "2-x.tif.ppm",
+        "3-x.ppm",
+        "été.ppm",
+        "light-05.ppm",
+    ];
+    assert_eq!(names[..6], expected);
+}
+
+/// The `.lp` file of one photograph with a name that is not ASCII, in several encodings.
+#[test]
+fn lp_files_may_have_any_encoding() {
+    use std::os::unix::ffi::OsStrExt;
+    let here = Workspace::new();
+    let photograph = &SETS[0].make(Format::Rgb).photographs[0];
+    let png = photograph.file(SETS[0].make(Format::Rgb).size, Encoding::Png);
+    here.write("lumière 1.png", &png);
+    let latin1_name = std::ffi::OsStr::from_bytes(b"lumi\xe8re 2.png");
+    fs::write(here.path("").join(latin1_name), &png).expect("a file");
+    let text = "2\r\nlumière 1.png 0 0 1\r\nlumière 2.png 0.6 0 0.8\r\n";
+    let utf16 = |order: fn(u16) -> [u8; 2], mark: &str| {
+        let units = format!("{mark}{text}");
+        units.encode_utf16().flat_map(order).collect::<Vec<u8>>()
+    };
+    let latin1: Vec<u8> = text
+        .chars()
+        .map(|c| u8::try_from(c).expect("Latin-1"))
+        .collect();
+    for (name, bytes) in [
+        ("UTF-8", text.as_bytes().to_vec()),
+        ("UTF-8 with a mark", format!("\u{feff}{text}").into_bytes()),
+        ("UTF-16LE", utf16(u16::to_le_bytes, "\u{feff}")),
+        ("UTF-16BE", utf16(u16::to_be_bytes, "\u{feff}")),
+        ("UTF-16LE without a mark", utf16(u16::to_le_bytes, "")),
+        ("UTF-16BE without a mark", utf16(u16::to_be_bytes, "")),
+        ("Latin-1", latin1),
+        ("CR", text.replace("\r\n", "\r").into_bytes()),
+    ] {
+        here.write("lights.lp", &bytes);
+        let set = ImageSet::read(&here.path("lights.lp"));
+        let set = set.unwrap_or_else(|error| panic!("{name}: {error}"));
+        assert_eq!(set.photographs[1].name, "lumière 2.png", "{name}");
+        assert_eq!(set.photographs[1].light, [0.6, 0.0, 0.8], "{name}");
+    }
+    here.check_writer("--fitter --lp lights.lp --case 'fit-*-own'")
+        .assert_exit(0, "");
+    here.write("lights.lp", "1\nC:\\dome\\lumière 1.png 0 0 1\n");
+    assert!(ImageSet::read(&here.path("lights.lp")).is_ok());
+}
+
+#[test]
+fn constant_coefficients_have_small_biases() {
+    let plan = SETS.iter().find(|plan| plan.name == "constant");
+    for format in FORMATS {
+        let set = plan.expect("the set").make(format);
+        let map = optimum(&set, format);
+        let scale_bias = &map.header.scale_bias;
+        assert!(scale_bias.scale.iter().all(|&scale| scale > 1e-3));
+        if format == Format::Lrgb {
+            let is_end = |&bias: &f64| bias == 0.0 || bias == 255.0;
+            assert!(scale_bias.bias.iter().all(is_end), "{scale_bias:?}");
+        }
+    }
+}
+
+/// Runs the documented command for HP's fitter with a stand-in that has the same command line, reads names without spaces only,
+/// and exits with 1 on success.
+#[test]
+fn documented_fitter_command_works() {
+    let page = repository_text("docs/writers.md");
+    let line = page.lines().find(|line| line.contains("PTMfitter -i"));
+    let line = line.expect("the command").trim();
+    let line = line.strip_prefix("ptm-conform ").expect("a command");
+    let here = Workspace::new();
+    let script = format!(
+        r#"#!/bin/sh
+test "$1 $3" = "-i -o" || exit 2
+grep -q '[^ ]* [^ ]* [^ ]* [^ ]* ' "$2" && exit 2
+grep -q '^light-00.jpg ' "$2" || exit 2
+printf '{{"format": "PTM_FORMAT_LRGB", "width": 1, "height": 1, "lp": "%s"}}' "$2" > request.json
+'{PROGRAM}' reference fit request.json "$4" && exit 1
+exit 2
+"#
+    );
+    here.write_program("PTMfitter", &script);
+    let path = std::env::var("PATH").expect("a path");
+    let path = format!("{}:{path}", here.path("").display());
+    let run = |line: &str| {
+        let output = here.command(line).env("PATH", &path).output();
+        outcome(&output.expect("the program starts"))
+    };
+    let (status, text) = run(line);
+    assert_eq!(status, 0, "{text}");
+    let (status, text) = run(&line.replace("--ok-exit 1", ""));
+    assert_eq!(status, 3, "{text}");
+    assert!(
+        text.contains("--ok-exit") && text.contains("{lp}"),
+        "{text}"
+    );
+    assert!(!text.contains("request.json out.ptm"), "{text}");
+    let (status, text) = run(&line.replace("-o {out}.ptm", "-o {out}.ptm {scale}"));
+    assert_eq!(status, 2, "{text}");
+    assert!(
+        text.contains("{in}, {out}, {lp}, {format}, {width}, {height}"),
+        "{text}"
+    );
+}
+
+#[test]
+fn fitters_may_refuse_lights_that_determine_too_little() {
+    let here = Workspace::new();
+    let script = |condition: &str, status: i32| {
+        format!(
+            "lp=$(sed -n 's/.*\"lp\": \"\\(.*\\)\".*/\\1/p' \"$2\")\n{condition} && exit {status}\nexec '{PROGRAM}' reference fit \"$2\" \"$3\"\n"
+        )
+    };
+    let few = "test $(head -n 1 \"$lp\") = 5";
+    for status in [65, 69] {
+        here.write("fitter.sh", script(few, status));
+        here.check_writer("--fitter -- sh fitter.sh").assert_exit(
+            0,
+            "note: the program refuses fit-lrgb-few-lights, fit-rgb-few-lights, which is allowed: the lights do not determine",
+        );
+    }
+    here.write("fitter.sh", script("test $(head -n 1 \"$lp\") = 14", 65));
+    here.check_writer("--fitter -- sh fitter.sh")
+        .assert_exit(1, "fit-lrgb-one-side");
+}
+
+#[test]
+fn warnings_of_lint_are_notes() {
+    let here = Workspace::new();
+    here.write(
+        "writer.sh",
+        format!("'{PROGRAM}' reference \"$@\" && echo >> \"$3\"\n"),
+    );
+    let note = "bytes follow the last value (PTM-W110)";
+    here.check_writer("--smoke --ptm-format LRGB -- sh writer.sh")
+        .assert_exit(0, note);
+    let fitted = here.check_writer("--fitter --case fit-lrgb-noise -- sh writer.sh");
+    fitted.assert_exit(
+        0,
+        "note: lint warns about 3 files, for example fit-lrgb-noise: ",
+    );
+    fitted.assert_exit(0, note);
+    // The request has such a bias, so the warning is unavoidable.
+    let wide = check_writer("--case lrgb-bias-past-16-bits");
+    wide.assert_exit(0, "1 pass");
+    assert!(!wide.text.contains("PTM-W108"), "{}", wide.text);
 }

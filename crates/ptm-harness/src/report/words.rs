@@ -103,6 +103,10 @@ pub fn for_functions(text: &str) -> String {
     FOR_FUNCTIONS.iter().fold(text.to_owned(), replace)
 }
 
+/// Advice for a program that is called through `check-writer --cmd` and is not a writer.
+const OK_EXIT_ADVICE: &str =
+    "If its exit status is not 0 on success, name the status with --ok-exit; see docs/writers.md.";
+
 /// Returns lines that explain how the program under test is called.
 #[must_use]
 pub fn call_instructions(suite: SuiteName, command: &str) -> String {
@@ -110,6 +114,12 @@ pub fn call_instructions(suite: SuiteName, command: &str) -> String {
         SuiteName::Texture => format!(
             "Usage of a texture stage: DECODER texture FILE\nExample: {command} texture case.json\nFILE contains a question in JSON, and the answer is a JSON object on standard output; see spec-cases/texture/README.md."
         ),
+        SuiteName::Writers if command.contains("{out}") => {
+            format!("Placeholders of --cmd: {{out}} is the file to write, {{in}} is the request in JSON, and {{planes}} is the NumPy array; {{format}}, {{width}}, {{height}}, {{scale}}, {{bias}}, {{matrix}}, {{quality}} and {{near}} are values of the request.\n{OK_EXIT_ADVICE}")
+        }
+        SuiteName::Fitters if command.contains("{out}") => {
+            format!("Placeholders of --cmd: {{out}} is the file to write, {{lp}} is the list of lights, and {{in}} is the request in JSON; {{format}}, {{width}} and {{height}} are values of the request.\n{OK_EXIT_ADVICE}")
+        }
         SuiteName::Writers => format!(
             "Usage of a writer: WRITER write REQUEST OUT\nExample: {command} write request.json out.ptm\nREQUEST is a JSON file, and the PTM goes to OUT; see docs/writers.md."
         ),

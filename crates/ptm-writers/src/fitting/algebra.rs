@@ -1,12 +1,11 @@
 //! Least squares for the six coefficients of a polynomial.
 
+use crate::fitting::photographs::MAX_RANK_TOLERANCE;
+
 /// Evaluates the terms u², v², uv, u, v and 1 of clause 1.0/1 under a light.
 fn terms([u, v]: [f64; 2]) -> [f64; 6] {
     [u * u, v * v, u * v, u, v, 1.0]
 }
-
-/// Minimum ratio of an eigenvalue to the largest one. Directions with smaller eigenvalues are ignored.
-const MIN_EIGENVALUE_RATIO: f64 = 1e-10;
 
 /// Least-squares solver for a fixed set of lights. If there are several solutions, it returns the one with the smallest norm.
 #[derive(Debug)]
@@ -18,14 +17,15 @@ pub(super) struct LeastSquares {
 }
 
 impl LeastSquares {
-    /// Computes the pseudoinverse for the given lights.
-    pub fn new(lights: &[[f64; 2]]) -> LeastSquares {
+    /// Computes the pseudoinverse for the given lights. Singular values of at most `tolerance`, relative to the largest, count as 0.
+    pub fn new(lights: &[[f64; 2]], tolerance: f64) -> LeastSquares {
         let design: Vec<[f64; 6]> = lights.iter().map(|&light| terms(light)).collect();
         let product = |i: usize, j: usize| design.iter().map(|row| row[i] * row[j]).sum();
         let normal: [[f64; 6]; 6] = std::array::from_fn(|i| std::array::from_fn(|j| product(i, j)));
         let (values, vectors) = eigensystem(normal);
         let largest = values.iter().copied().fold(0.0, f64::max);
-        let is_significant = |k: &usize| values[*k] > MIN_EIGENVALUE_RATIO * largest;
+        // An eigenvalue of the normal matrix is the square of a singular value.
+        let is_significant = |k: &usize| values[*k] > tolerance * tolerance * largest;
         let row = |light: &[f64; 6]| {
             let mut row = [0.0; 6];
             for k in (0..6).filter(is_significant) {
@@ -38,7 +38,8 @@ impl LeastSquares {
         };
         LeastSquares {
             rows: design.iter().map(row).collect(),
-            is_determined: (0..6).all(|k| values[k] > 1e-6 * largest),
+            is_determined: (0..6)
+                .all(|k| values[k] > MAX_RANK_TOLERANCE * MAX_RANK_TOLERANCE * largest),
         }
     }
 

@@ -5,12 +5,18 @@
 
 use crate::fitting::{photographs::ImageSet, polynomials::Polynomials};
 use crate::judge::{check_lint, compare_map, refusal};
-use crate::{fault::WriterFault, fitting::optimum::optimum};
+use crate::{
+    fault::WriterFault,
+    fitting::optimum::{is_determined, optimum},
+};
 use ptm::Format;
 use ptm::decode::decode;
 
 /// Tolerance for the error: a factor, and an additional number of 8-bit levels.
 const FIT_TOLERANCE: (f64, f64) = (1.25, 1.0);
+
+/// Reason why a fit may have failed.
+const UNDETERMINED: &str = "; the lights do not determine all coefficients, so the smallest of the possible coefficients are needed";
 
 /// Returns the maximum allowed error, given the error of the optimum.
 pub(super) fn max_error(best: f64) -> f64 {
@@ -43,9 +49,13 @@ fn compare_errors(set: &ImageSet, format: Format, found: &Polynomials) -> Result
     let (name, lights) = (&set.photographs[worst].name, errors.len());
     let (error, best) = (errors[worst], best[worst]);
     let allowed = max_error(best);
+    let reason = match is_determined(set) {
+        true => "",
+        false => UNDETERMINED,
+    };
     let says = format!(
         "under light {u:.3}, {v:.3} ({name}), the RMS error of the map is {error:.2}, but at most {allowed:.2} is \
-         allowed (the least-squares optimum has {best:.2}); the error is too large under {over} of {lights} lights"
+         allowed (the least-squares optimum has {best:.2}); the error is too large under {over} of {lights} lights{reason}"
     );
     Err(WriterFault::new("1.0/1", says))
 }

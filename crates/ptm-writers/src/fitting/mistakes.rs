@@ -11,7 +11,7 @@ use serde::Deserialize;
 use crate::fitting::optimum::{FittedMap, directions};
 use crate::fitting::photographs::{ImageSet, Photograph};
 use crate::fitting::polynomials::{Polynomials, root_mean_square};
-use crate::fitting::{algebra::LeastSquares, judge::max_error};
+use crate::fitting::{judge::max_error, optimum::is_determined};
 use crate::judge::compare_map;
 use ptm::decode::decode;
 use ptm::{Format, Ptm, Shape};
@@ -163,8 +163,7 @@ fn has_huge_coefficients(evidence: &WrongMap) -> bool {
         let all = map.0.iter().flatten().flatten();
         all.fold(0.0_f64, |largest, a| largest.max(a.abs()))
     };
-    let least_squares = LeastSquares::new(&directions(&evidence.set));
-    !least_squares.is_determined
+    !is_determined(&evidence.set)
         && largest(&evidence.found) > 3.0 * largest(&evidence.best.polynomials())
 }
 

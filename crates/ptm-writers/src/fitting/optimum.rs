@@ -27,14 +27,22 @@ pub fn optimum(set: &ImageSet, format: Format) -> Ptm {
     FittedMap::new(set, &directions(set), format).quantize(set, format)
 }
 
+/// Returns true if the lights of `set` determine all six coefficients, with a margin for rounding errors.
+pub(super) fn is_determined(set: &ImageSet) -> bool {
+    LeastSquares::new(&directions(set), set.rank_tolerance()).is_determined
+}
+
 pub(super) fn directions(set: &ImageSet) -> Vec<[f64; 2]> {
     set.photographs.iter().map(Photograph::direction).collect()
 }
 
+/// Minimum range of a coefficient that is not constant, in gray levels. A smaller range is not visible.
+const MIN_RANGE: f64 = 0.01;
+
 impl FittedMap {
     /// Fits the photographs under `lights`, which may differ from the lights of the set.
     pub fn new(set: &ImageSet, lights: &[[f64; 2]], format: Format) -> FittedMap {
-        let least_squares = LeastSquares::new(lights);
+        let least_squares = LeastSquares::new(lights, set.rank_tolerance());
         let mut fitted = FittedMap {
             polynomials: Vec::new(),
             colors: Vec::new(),
@@ -75,11 +83,8 @@ impl FittedMap {
             let values = self.polynomials.iter().map(|a| a[i]);
             let low = values.clone().fold(f64::INFINITY, f64::min);
             let high = values.fold(f64::NEG_INFINITY, f64::max);
-            // The bias is an integer, so reserve a step for rounding, and keep the bias small.
-            let scale = ((high - low) / 254.0).max(low.abs() / 1e6).max(1e-6);
-            // Use the value as it will be written in the file.
-            set.scale[i] = format!("{scale:.6e}").parse().expect("a number");
-            set.bias[i] = (-low / set.scale[i]).round();
+            let (scale, bias) = scale_and_bias(low, high);
+            (set.scale[i], set.bias[i]) = (scale, bias);
         }
         set
     }
@@ -97,6 +102,23 @@ impl FittedMap {
         }
         new_map(format, set.size, scale_bias, None, samples)
     }
+}
+
+/// Chooses the scale and bias of a coefficient with this range. Scales have seven digits.
+fn scale_and_bias(low: f64, high: f64) -> (f64, f64) {
+    let as_written = |scale: f64| format!("{scale:.6e}").parse::<f64>().expect("a number");
+    let middle = f64::midpoint(low, high);
+    if high - low < MIN_RANGE {
+        // The constant is stored as 255 if it is positive, or as 0.
+        return match as_written(middle.abs() / 255.0) {
+            scale if middle.abs() < MIN_RANGE || scale == 0.0 => (1.0, 0.0),
+            scale if middle > 0.0 => (scale, 0.0),
+            scale => (scale, 255.0),
+        };
+    }
+    // The bias is an integer, so reserve a step for rounding, and keep the bias small.
+    let scale = as_written(((high - low) / 254.0).max(low.abs() / 1e4));
+    (scale, (-low / scale).round())
 }
 
 /// Approximates three polynomials as the product of a luminance polynomial and a color. The color is chosen to be optimal under

@@ -1,10 +1,11 @@
 //! Photographs of an object, and the `.lp` file that lists them with their lights.
 
+use std::collections::BTreeSet;
 use std::fs;
 use std::io::Cursor;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use image::{ImageError, ImageFormat, ImageReader};
+use image::{ImageError, ImageFormat, ImageReader, RgbImage};
 use serde::{Deserialize, Serialize};
 
 use ptm::{Format, Size};
@@ -27,6 +28,56 @@ pub struct FitRequest {
     pub lp: String,
 }
 
+/// File format in which photographs are sent to a fitter.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Encoding {
+    /// PNG.
+    #[default]
+    Png,
+    /// Binary PPM (P6).
+    Ppm,
+    /// TGA.
+    Tga,
+    /// JPEG of quality 95 without chroma subsampling.
+    Jpeg,
+}
+
+impl Encoding {
+    /// Names of all encodings, in the order of the enum.
+    pub const NAMES: [&str; 4] = ["png", "ppm", "tga", "jpeg"];
+
+    /// Finds an encoding by its name.
+    #[must_use]
+    pub fn from_name(name: &str) -> Option<Encoding> {
+        let all = [Encoding::Png, Encoding::Ppm, Encoding::Tga, Encoding::Jpeg];
+        let place = Encoding::NAMES.iter().position(|&known| known == name)?;
+        Some(all[place])
+    }
+
+    const fn image_format(self) -> ImageFormat {
+        match self {
+            Encoding::Png => ImageFormat::Png,
+            Encoding::Ppm => ImageFormat::Pnm,
+            Encoding::Tga => ImageFormat::Tga,
+            Encoding::Jpeg => ImageFormat::Jpeg,
+        }
+    }
+
+    const fn extension(self) -> &'static str {
+        match self {
+            Encoding::Png => "png",
+            Encoding::Ppm => "ppm",
+            Encoding::Tga => "tga",
+            Encoding::Jpeg => "jpg",
+        }
+    }
+
+    fn encode(self, size: Size, pixels: &[u8]) -> Vec<u8> {
+        let image = rgb(size, pixels.to_vec()).into();
+        encode_image(&image, self.image_format()).expect("the image is small")
+    }
+}
+
 /// Photograph and its light.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Photograph {
@@ -37,6 +88,8 @@ pub struct Photograph {
     pub light: [f64; 3],
     /// Red, green and blue of each pixel, top row first.
     pub pixels: Vec<u8>,
+    /// The lossy file that the pixels were decoded from, which is sent instead of a new one.
+    pub lossy_file: Option<Vec<u8>>,
 }
 
 /// Photographs of one object, in the order of their `.lp` file.
@@ -47,6 +100,12 @@ pub struct ImageSet {
     /// Photographs, one per light.
     pub photographs: Vec<Photograph>,
 }
+
+/// Lower limit of [`ImageSet::rank_tolerance`]: vectors with more decimals are computed, and are less exact than their decimals.
+const MIN_RANK_TOLERANCE: f64 = 1e-5;
+
+/// Upper limit of [`ImageSet::rank_tolerance`], which lights from all directions never reach, even if they are whole numbers.
+pub(super) const MAX_RANK_TOLERANCE: f64 = 3e-3;
 
 impl FitRequest {
     /// Reads the JSON of a request.
@@ -69,18 +128,71 @@ impl Photograph {
         [x / length, y / length]
     }
 
-    /// Encodes the photograph as a PNG file.
+    /// Returns the photograph as a file.
     ///
     /// # Panics
     /// Panics if the number of pixels does not match `size`.
     #[must_use]
-    pub fn png(&self, size: Size) -> Vec<u8> {
-        let image = rgb(size, self.pixels.clone()).into();
-        encode_image(&image, ImageFormat::Png).expect("the image is small")
+    pub fn file(&self, size: Size, encoding: Encoding) -> Vec<u8> {
+        match &self.lossy_file {
+            Some(file) => file.clone(),
+            None => encoding.encode(size, &self.pixels),
+        }
     }
 }
 
 impl ImageSet {
+    /// Returns the set as a fitter receives it. File names have no directory, are distinct, and end with the usual extension of the
+    /// encoding. The pixels are those that a reader decodes from the files.
+    ///
+    /// # Panics
+    /// Panics if the number of pixels of a photograph does not match the size of the set.
+    #[must_use]
+    pub fn encoded_as(mut self, encoding: Encoding) -> ImageSet {
+        let mut taken = BTreeSet::new();
+        for (k, photograph) in self.photographs.iter_mut().enumerate() {
+            let last = last_component(&photograph.name);
+            let stem = last.rsplit_once('.').map_or(last, |(stem, _)| stem);
+            let mut name = format!("{stem}.{}", encoding.extension());
+            if !taken.insert(name.clone()) {
+                name = format!("{k}-{last}.{}", encoding.extension());
+                taken.insert(name.clone());
+            }
+            photograph.name = name;
+            if encoding == Encoding::Jpeg {
+                let file = encoding.encode(self.size, &photograph.pixels);
+                let image = decode_image(&photograph.name, &file).expect("the file is an image");
+                photograph.pixels = image.into_raw();
+                photograph.lossy_file = Some(file);
+            }
+        }
+        self
+    }
+
+    /// Returns the smallest singular value of the terms of all lights that is not due to rounding, relative to the largest. It
+    /// depends on the decimals of the light vectors: the terms of lights on a ring are dependent, but those of the rounded vectors
+    /// are not.
+    #[must_use]
+    pub(super) fn rank_tolerance(&self) -> f64 {
+        let lights = self.photographs.iter().map(|photograph| photograph.light);
+        let decimals = |number: f64| {
+            number
+                .to_string()
+                .rsplit_once('.')
+                .map_or(0, |(_, d)| d.len())
+        };
+        let most = lights
+            .clone()
+            .flatten()
+            .map(decimals)
+            .max()
+            .unwrap_or_default();
+        let length = |[x, y, z]: [f64; 3]| (x * x + y * y + z * z).sqrt();
+        let shortest = lights.map(length).fold(f64::INFINITY, f64::min);
+        let precision = 0.1_f64.powi(most.min(20) as i32) / shortest;
+        precision.clamp(MIN_RANK_TOLERANCE, MAX_RANK_TOLERANCE)
+    }
+
     /// Returns the text of the `.lp` file.
     #[must_use]
     pub fn lp(&self) -> String {
@@ -92,15 +204,16 @@ impl ImageSet {
         format!("{}\n{lines}", self.photographs.len())
     }
 
-    /// Reads an `.lp` file and the images that it lists.
+    /// Reads an `.lp` file and the images that it lists. The file may be UTF-8, UTF-16 or Latin-1.
     ///
     /// # Errors
     /// Returns a message that names the file or line and the error.
     pub fn read(path: &Path) -> Result<ImageSet, String> {
         let locate = |error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
-        let text = fs::read_to_string(path).map_err(|error| locate(&error))?;
+        let text = decode_text(&fs::read(path).map_err(|error| locate(&error))?);
         let folder = path.parent().unwrap_or(Path::new(""));
-        let mut lines = text.lines().filter(|line| !line.trim().is_empty());
+        let lines = text.split(['\n', '\r']);
+        let mut lines = lines.filter(|line| !line.trim().is_empty());
         let count = lines.next().and_then(|line| line.trim().parse().ok());
         let count: usize =
             count.ok_or_else(|| locate(&"the first line is not the number of images"))?;
@@ -133,24 +246,90 @@ fn read_photograph(line: &str, base: &Path, size: &mut Option<Size>) -> Result<P
     }
     let name = words.next().ok_or_else(invalid)?.trim();
     let with_name = |error: &dyn std::fmt::Display| format!("{name}: {error}");
-    let bytes = fs::read(base.join(name)).map_err(|error| with_name(&error))?;
-    // The reader has the same type as in `protocol::image_file`, so that the image decoders are compiled only once.
-    let mut cursor = Cursor::new(&*bytes);
-    let reader = ImageReader::new(&mut cursor).with_guessed_format();
-    let image = reader
-        .map_err(ImageError::from)
-        .and_then(ImageReader::decode);
-    let image = image.map_err(|error| with_name(&error))?;
+    let bytes = read_named_file(base, name).map_err(|error| with_name(&error))?;
+    let image = decode_image(name, &bytes).map_err(|error| with_name(&error))?;
     let (width, height) = (image.width(), image.height());
     let actual = Size { width, height };
     if *size.get_or_insert(actual) != actual {
         let says = "the size of the image differs from that of the first image";
         return Err(with_name(&says));
     }
-    let (name, pixels) = (name.to_owned(), image.into_rgb8().into_raw());
     Ok(Photograph {
-        name,
+        name: name.to_owned(),
         light,
-        pixels,
+        pixels: image.into_raw(),
+        lossy_file: None,
     })
+}
+
+/// Decodes an image. TGA files are recognized by their name, because they have no signature.
+fn decode_image(name: &str, bytes: &[u8]) -> Result<RgbImage, ImageError> {
+    // The reader has the same type as in `protocol::image_file`, so that the image decoders are compiled only once.
+    let mut cursor = Cursor::new(bytes);
+    let mut reader = ImageReader::new(&mut cursor).with_guessed_format()?;
+    if reader.format().is_none() && name.to_ascii_lowercase().ends_with(".tga") {
+        reader.set_format(ImageFormat::Tga);
+    }
+    Ok(reader.decode()?.into_rgb8())
+}
+
+/// Reads an image of an `.lp` file. A file name in an older encoding is Latin-1 in `name`, so its bytes are tried as well. A path
+/// of another computer is replaced by its last component.
+fn read_named_file(base: &Path, name: &str) -> std::io::Result<Vec<u8>> {
+    let last = last_component(name);
+    let names = [
+        path_of(name),
+        latin1_path(name),
+        path_of(last),
+        latin1_path(last),
+    ];
+    let mut paths = names.into_iter().flatten().map(|name| base.join(name));
+    let found = paths.find(|path| path.is_file());
+    fs::read(found.unwrap_or_else(|| base.join(name)))
+}
+
+fn path_of(name: &str) -> Option<PathBuf> {
+    Some(name.into())
+}
+
+/// Returns the path whose bytes are the Latin-1 characters of `name`.
+#[cfg(unix)]
+fn latin1_path(name: &str) -> Option<PathBuf> {
+    use std::os::unix::ffi::OsStringExt;
+    let bytes = name
+        .chars()
+        .map(|c| u8::try_from(c).ok())
+        .collect::<Option<Vec<u8>>>()?;
+    Some(std::ffi::OsString::from_vec(bytes).into())
+}
+
+#[cfg(not(unix))]
+fn latin1_path(_: &str) -> Option<PathBuf> {
+    None
+}
+
+/// Returns the part of a path after the last slash or backslash.
+fn last_component(path: &str) -> &str {
+    path.rsplit(['/', '\\']).next().unwrap_or(path)
+}
+
+/// Decodes a text file in UTF-8 or UTF-16, with or without a byte order mark, or else in Latin-1.
+fn decode_text(bytes: &[u8]) -> String {
+    let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
+        let units = bytes.as_chunks::<2>().0.iter().map(|&pair| unit(pair));
+        char::decode_utf16(units)
+            .map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER))
+            .collect()
+    };
+    match bytes {
+        [0xff, 0xfe, text @ ..] => utf16(text, u16::from_le_bytes),
+        [0xfe, 0xff, text @ ..] => utf16(text, u16::from_be_bytes),
+        // The first character is a digit or white space.
+        [1..=255, 0, ..] => utf16(bytes, u16::from_le_bytes),
+        [0, 1..=255, ..] => utf16(bytes, u16::from_be_bytes),
+        _ => match std::str::from_utf8(bytes) {
+            Ok(text) => text.trim_start_matches('\u{feff}').to_owned(),
+            Err(_) => bytes.iter().copied().map(char::from).collect(),
+        },
+    }
 }

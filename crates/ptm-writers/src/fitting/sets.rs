@@ -33,6 +33,12 @@ pub struct SetPlan {
     has_long_vectors: bool,
     /// True if the `.lp` file does not list the images in alphabetical order.
     is_shuffled: bool,
+    /// Height of all lights over the horizon in degrees, if they form a ring.
+    ring_elevation: Option<f64>,
+    /// Number of decimals of the vectors in the `.lp` file.
+    decimals: i32,
+    /// True if all texels are equal.
+    is_constant: bool,
 }
 
 impl Default for SetPlan {
@@ -48,6 +54,9 @@ impl Default for SetPlan {
             noise: 0,
             has_long_vectors: false,
             is_shuffled: false,
+            ring_elevation: None,
+            decimals: 6,
+            is_constant: false,
         }
     }
 }
@@ -75,6 +84,7 @@ impl SetPlan {
                 name: format!("light-{number:02}.png"),
                 light: self.light(k),
                 pixels: Vec::new(),
+                lossy_file: None,
             };
             let noise = self.generate_noise(size, k);
             let values = map.evaluate(photograph.direction()).zip(noise);
@@ -93,26 +103,34 @@ impl SetPlan {
             scale: [0.3, 0.2, 0.25, 0.25, 0.3, self.brightness],
             bias: [128.0, 100.0, 140.0, 120.0, 130.0, -60.0],
         };
-        let samples = Model::paint(&Recipe::default_for(format, size)).samples;
+        let mut samples = Model::paint(&Recipe::default_for(format, size)).samples;
+        if self.is_constant {
+            samples = samples[..format.channels()].repeat(size.texels());
+        }
         new_map(format, size, scale_bias, None, samples)
     }
 
     fn light(&self, k: usize) -> [f64; 3] {
         // Multiples of the golden angle never coincide, and the heights are distributed evenly.
         const GOLDEN_ANGLE: f64 = 2.399_963;
-        let angle = GOLDEN_ANGLE * k as f64;
-        let angle = if self.is_one_sided {
-            angle.sin()
-        } else {
-            angle
+        let fraction = (k as f64 + 0.5) / self.lights as f64;
+        let (angle, z) = match self.ring_elevation {
+            Some(degrees) => (
+                std::f64::consts::TAU * k as f64 / self.lights as f64,
+                degrees.to_radians().sin(),
+            ),
+            None if self.is_one_sided => ((GOLDEN_ANGLE * k as f64).sin(), 0.2 + 0.75 * fraction),
+            None => (GOLDEN_ANGLE * k as f64, 0.2 + 0.75 * fraction),
         };
-        let z = 0.2 + 0.75 * (k as f64 + 0.5) / self.lights as f64;
         let radius = (1.0 - z * z).sqrt();
         let length = match self.has_long_vectors {
             true => 1.5 + 0.5 * (k % 4) as f64,
             false => 1.0,
         };
-        [radius * angle.cos(), radius * angle.sin(), z].map(|x| (x * length * 1e6).round() / 1e6)
+        // Adding 0 turns a negative zero into a positive one.
+        let unit = 10.0_f64.powi(self.decimals);
+        [radius * angle.cos(), radius * angle.sin(), z]
+            .map(|x| (x * length * unit).round() / unit + 0.0)
     }
 
     fn generate_noise(&self, size: Size, k: usize) -> Vec<f64> {
