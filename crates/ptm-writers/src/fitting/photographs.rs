@@ -277,19 +277,11 @@ fn decode_image(name: &str, bytes: &[u8]) -> Result<RgbImage, ImageError> {
 /// of another computer is replaced by its last component.
 fn read_named_file(base: &Path, name: &str) -> std::io::Result<Vec<u8>> {
     let last = last_component(name);
-    let names = [
-        path_of(name),
-        latin1_path(name),
-        path_of(last),
-        latin1_path(last),
-    ];
-    let mut paths = names.into_iter().flatten().map(|name| base.join(name));
+    let spellings = |name: &str| [Some(name.into()), latin1_path(name)];
+    let names = spellings(name).into_iter().chain(spellings(last));
+    let mut paths = names.flatten().map(|name| base.join(name));
     let found = paths.find(|path| path.is_file());
     fs::read(found.unwrap_or_else(|| base.join(name)))
-}
-
-fn path_of(name: &str) -> Option<PathBuf> {
-    Some(name.into())
 }
 
 /// Returns the path whose bytes are the Latin-1 characters of `name`.

@@ -13,6 +13,10 @@ use ptm_suite::kit::yaml::from_yaml;
 /// Parameters of a generated set of photographs, as defined in `spec-cases/writers/fitting-sets.yaml`.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[allow(
+    clippy::struct_excessive_bools,
+    reason = "each is an independent property"
+)]
 pub struct SetPlan {
     /// Name of the set.
     pub name: String,
