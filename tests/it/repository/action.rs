@@ -5,7 +5,9 @@ use std::os::unix::fs::symlink;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use crate::common::{PROGRAM, Workspace, have_tool, outcome, repository, repository_text, stdout};
+use crate::common::{
+    PROGRAM, Workspace, have_python, have_tool, outcome, repository, repository_text, stdout,
+};
 use ptm_suite::kit::yaml::from_yaml;
 use serde_json::Value;
 
@@ -220,4 +222,16 @@ fn fuzzing_workflow_finds_and_rechecks_a_mistake() {
     assert_eq!(status, 1, "{text}");
     let (status, text) = run("Check earlier findings");
     assert_eq!(status, 1, "{text}");
+}
+
+/// Runs all steps of the action and of the workflow, with their conditions and simulated caches, several times in a row.
+#[test]
+fn action_and_workflow_keep_findings_and_programs() {
+    if !["bash", "curl", "make"].into_iter().all(have_tool) || !have_python(&["yaml"]) {
+        return;
+    }
+    let mut script = Command::new("python3");
+    script.arg(repository("scripts/run_workflows.py"));
+    let text = stdout(script.arg(PROGRAM));
+    assert_eq!(text.matches("ok   ").count(), 11, "{text}");
 }
