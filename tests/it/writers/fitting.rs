@@ -153,6 +153,8 @@ np.linalg.lstsq(design, values, rcond=tolerance)[0]
   | np.linalg.lstsq(design, values, rcond=tolerance)[0] + 3000 * np.linalg.svd(design)[2][len(design):].sum(axis=0)[:, None] * np.sin(np.arange(values.shape[1]))
   | fits without a constraint
 bias = np.round(-low / np.maximum(scale, 1e-9)) | bias = np.zeros(6) | clamps coefficients
+scale = np.where(zero, 1, np.where(constant, np.abs(middle) / 255, scale))
+  | scale, middle = np.where(constant, 1, scale), low * 0 + 1 | clamps coefficients
 np.maximum((high - low) / 254, np.abs(low) / 1e4) | np.full(6, 16.0) | scales that are too coarse
 raw = np.round(coefficients / scale[:, None] + bias[:, None])
   | raw = np.round(coefficients / scale[:, None] + bias[:, None]); bias *= -scale; bias[:] = np.round(bias)

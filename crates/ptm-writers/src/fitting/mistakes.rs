@@ -96,13 +96,15 @@ impl WrongMap {
         self.found.distance(&other, &self.set) < 1.0 + 0.1 * from_best
     }
 
-    /// Returns true if the map fits when its coefficients are read in the given order and computed with `value`.
+    /// Returns true if the map fits when its coefficients are read in the given order and computed with `value`, which changes
+    /// the map.
     fn is_right(&self, order: [usize; 6], value: fn(f64, f64, f64) -> f64) -> bool {
         let best = self.best.polynomials().errors(&self.set);
         Polynomials::with_values(&self.ptm, order, value).is_some_and(|found| {
             // The tolerance is larger because integer offsets cause larger rounding errors than biases.
             let mut pairs = found.errors(&self.set).into_iter().zip(best);
             pairs.all(|(found, best)| found <= max_error(best) + 2.0)
+                && found.distance(&self.found, &self.set) > 1.0
         })
     }
 

@@ -109,7 +109,10 @@ impl SetPlan {
         };
         let mut samples = Model::paint(&Recipe::default_for(format, size)).samples;
         if self.is_constant {
-            samples = samples[..format.channels()].repeat(size.texels());
+            // The coefficient of u² is negative, so a fitter that clamps coefficients fails.
+            let texels = samples.chunks_exact(format.channels());
+            let texel = texels.min_by_key(|texel| texel[0]).expect("a texel");
+            samples = texel.repeat(size.texels());
         }
         new_map(format, size, scale_bias, None, samples)
     }
