@@ -39,11 +39,12 @@ exit 5
 """
 
 RIGHT_DECODER = '#!/bin/sh\nexec "$LOCAL_PROGRAM" reference "$@"\n'
-# It supports only the view raw, and swaps two letters in the samples.
-WRONG_DECODER = """#!/bin/sh
+# It supports only the view raw, and adds 128 to all samples below 128, so that few calls are enough to find the mistake.
+WRONG_DECODER = r"""#!/bin/sh
 test "$1" = raw || exit 69
 "$LOCAL_PROGRAM" reference "$@" > frame || exit $?
-sed '1!s/a/b/g' frame
+head -n 1 frame
+tail -n +2 frame | tr '\000-\177' '\200-\377'
 """
 
 
@@ -303,7 +304,7 @@ def run_workflow(trial, path):
         ("with a decoder that is not built", None, "Build your decoder", [], [earlier, "Save the findings"]),
     ]
     for number, (what, decoder, failing, ran, skipped) in enumerate(trials, 1):
-        runner = Runner(scratch, trial.program, number, env={"FUZZ_SECONDS": "1", "SEED": "7"})
+        runner = Runner(scratch, trial.program, number, env={"FUZZ_SECONDS": "2", "SEED": "7"})
         (runner.repository / "Makefile").write_text("my-decoder: source\n\tcp source my-decoder\n\tchmod +x my-decoder\n")
         if decoder:
             (runner.repository / "source").write_text(decoder)

@@ -174,7 +174,7 @@ impl<V: RequestValues> Listed for FileCase<V> {
     fn expectation_name(&self) -> &'static str {
         match self.expect {
             Expect::Refuse => "refuse",
-            Expect::Lenient => "write or refuse",
+            Expect::Lenient => "lenient",
             _ => "write",
         }
     }

@@ -354,10 +354,12 @@ fn fitters_may_refuse_lights_that_determine_too_little() {
     let few = "test $(head -n 1 \"$lp\") = 5";
     for status in [65, 69] {
         here.write("fitter.sh", script(few, status));
-        here.check_writer("--fitter -- sh fitter.sh").assert_exit(
+        let checked = here.check_writer("--fitter -- sh fitter.sh");
+        checked.assert_exit(
             0,
             "note: the program refuses fit-lrgb-few-lights, fit-rgb-few-lights, which is allowed: the lights do not determine",
         );
+        assert_eq!(checked.case("fit-rgb-few-lights")["expect"], "lenient");
     }
     here.write("fitter.sh", script("test $(head -n 1 \"$lp\") = 14", 65));
     here.check_writer("--fitter -- sh fitter.sh")
