@@ -50,7 +50,9 @@ pub fn run(args: &SiteArgs) -> CommandResult {
     let index = args.out.join("index.html");
     print(&format!("{count} files, {size} MB: {}\n", index.display()));
     if module.is_none() {
-        print_note("drop.html needs a WebAssembly module and explains how to add one\n");
+        print_note(
+            "the page \"Drop a file\" is left out, because it needs a WebAssembly module: --module FILE\n",
+        );
     }
     Ok(0)
 }

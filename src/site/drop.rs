@@ -16,7 +16,7 @@ use ptm::Format;
 use ptm_harness::session::lit_scene;
 use ptm_suite::cases::TableSpelling;
 
-/// Commands that build the site with this page.
+/// Commands that build the module and the site with this page.
 const BUILD_COMMANDS: &str = "\
 rustup target add wasm32-unknown-unknown
 cargo build --release --target wasm32-unknown-unknown --manifest-path packages/wasm/Cargo.toml
@@ -30,17 +30,11 @@ const SITE_SCRIPT: &str = include_str!("site.js");
 /// Functions that the module exports and the page calls.
 const EXPORTS: &str = "reserve open examine report report_length samples relight";
 
-/// Renders the page of the site and the standalone page. Without a module, renders a page with build instructions. Returns an
-/// error if `module` is not the reference decoder as WebAssembly.
+/// Renders the page of the site and the standalone page, or no page without a module. Returns an error if `module` is not the
+/// reference decoder as WebAssembly.
 pub(super) fn pages(context: PageContext, module: Option<&[u8]>) -> Result<Vec<SiteFile>, String> {
     let Some(module) = module else {
-        let body = html! {
-            h1 { "Drop a PTM file" }
-            p { "This page requires the reference decoder as WebAssembly, which is not part of this build. To add it, run:" }
-            pre.command { (BUILD_COMMANDS) }
-        };
-        let title = "Drop a file";
-        return Ok(vec![context.page("drop.html", title, title, &body)]);
+        return Ok(Vec::new());
     };
     check_module(module)
         .map_err(|fault| format!("--module: {fault}; to build it:\n{BUILD_COMMANDS}"))?;

@@ -51,7 +51,7 @@ pub(super) fn page(context: PageContext) -> SiteFile {
         h2 { "Getting started" }
         ul {
             li { "To write a reader, read " a href="format/index.html" { "the format" } " (start with the first chapter), implement " (context.protocol()) " in your program, and test it with " a href="docs/check.html" { code { "ptm-conform check" } } "." }
-            li { "If a file looks wrong, " a href="drop.html" { "drop it on this page" } ", or run " code { "ptm-conform lint FILE" } ". See the list of " a href="codes/index.html" { "codes" } " for their meanings." }
+            li { "If a file looks wrong, " @if context.has_drop_page { a href="drop.html" { "drop it on this page" } ", or " } "run " code { "ptm-conform lint FILE" } ". See the list of " a href="codes/index.html" { "codes" } " for their meanings." }
             li { "If a program displays a file incorrectly, find the mistake among the " a href="misreadings/index.html" { "misreadings" } ", or see " a href="scoreboard.html" { "the results of public readers" } "." }
             li { "To map a PTM onto a surface, read " a href="texture/index.html" { "the texture chapter" } "." }
         }

@@ -37,7 +37,7 @@ const STYLE: &str = crate::report::html::STYLE;
 const SCRIPT: &str = include_str!("site.js");
 
 /// Generates all files of the site. `annotated` replaces the embedded annotated format. `module` is the reference decoder as
-/// WebAssembly, which runs in the page for dropped files.
+/// WebAssembly, which runs in the page for dropped files; without it, the site does not have this page.
 ///
 /// # Errors
 /// Returns a message that names the clause whose example fails, or the file of the suite that cannot be read.
@@ -50,6 +50,7 @@ pub fn build(
     let top = PageContext {
         library: &library,
         root: "",
+        has_drop_page: module.is_some(),
     };
     let nested = PageContext { root: "../", ..top };
     let mut files = vec![

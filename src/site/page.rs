@@ -25,6 +25,8 @@ pub(super) struct PageContext<'a> {
     pub library: &'a Library,
     /// Relative path from the page to the root of the site: empty or `../`.
     pub root: &'static str,
+    /// True if the site has the page onto which files are dropped.
+    pub has_drop_page: bool,
 }
 
 impl PageContext<'_> {
@@ -138,7 +140,8 @@ impl PageContext<'_> {
         let root = self.root;
         let parts = self.library.texts.navigation.iter();
         let parts = parts.map(|(url, name)| (url.as_str(), name.as_str()));
-        let parts = parts.chain([("drop.html", "Drop a file")]);
+        let drop = self.has_drop_page.then_some(("drop.html", "Drop a file"));
+        let parts = parts.chain(drop);
         html! {
             header.top {
                 div.bar {
