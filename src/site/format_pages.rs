@@ -14,6 +14,8 @@ use ptm_suite::clauses::Clause;
 
 /// Maximum number of misreadings per clause that are displayed with images. The others are listed.
 const MAX_ILLUSTRATED_MISREADINGS: usize = 2;
+/// Maximum number of parts of a file that are all displayed. Of other files, the parts that an example is not about are folded.
+const MAX_UNFOLDED_PARTS: usize = 8;
 /// Maximum length of a part whose bytes are all displayed.
 const MAX_DISPLAYED_BYTES: usize = 32;
 
@@ -125,27 +127,58 @@ fn render_example(
     let placed = executed.parts.iter().scan(0, |end, (name, bytes)| {
         let offset = *end;
         *end += bytes.len();
-        Some((offset, name, bytes))
+        Some((offset, name.as_str(), bytes.as_slice()))
     });
     let placed = placed.filter(|(.., bytes)| !bytes.is_empty());
+    let parts: Vec<FilePart> = placed
+        .map(|(offset, name, bytes)| FilePart {
+            offset,
+            name,
+            bytes,
+            is_highlighted: example
+                .highlighted
+                .iter()
+                .any(|highlighted| highlighted == name),
+        })
+        .collect();
+    let highlighted: Vec<&FilePart> = parts.iter().filter(|part| part.is_highlighted).collect();
+    let is_folded = parts.len() > MAX_UNFOLDED_PARTS && !highlighted.is_empty();
     html! {
         figure.example {
             figcaption { b { "Example" @if count > 1 { " " (number) } } @if let Some(says) = &example.description { " " (context.prose(says)) } }
-            div.scroll tabindex="0" { table.hex {
-                thead { tr { th.number scope="col" { "byte" } th scope="col" { "part" } th scope="col" { "bytes" } th scope="col" { "as text" } } }
-                tbody {
-                    @for (offset, name, bytes) in placed {
-                        tr data-look[example.highlighted.contains(name)] {
-                            td.number { (offset) } td { (name) } td { code { (hex(bytes)) } } td { code { (as_text(bytes)) } }
-                        }
-                    }
-                }
-            } }
+            @if is_folded {
+                (part_table(&highlighted))
+                details { summary { "all " (parts.len()) " parts of the file" } (part_table(&parts.iter().collect::<Vec<_>>())) }
+            } @else { (part_table(&parts.iter().collect::<Vec<_>>())) }
             (result(&executed.view, &executed.found, example.because.as_deref()))
             @for (reading, found) in &executed.alternatives {
                 p.otherwise { "Under the reading " em { (reading) } ": " (inline_result(found)) "." }
             }
         }
+    }
+}
+
+/// A part of the file of an example.
+struct FilePart<'a> {
+    offset: usize,
+    name: &'a str,
+    bytes: &'a [u8],
+    /// True if the example is about this part.
+    is_highlighted: bool,
+}
+
+fn part_table(parts: &[&FilePart]) -> Markup {
+    html! {
+        div.scroll tabindex="0" { table.hex {
+            thead { tr { th.number scope="col" { "byte" } th scope="col" { "part" } th scope="col" { "bytes" } th scope="col" { "as text" } } }
+            tbody {
+                @for part in parts {
+                    tr data-look[part.is_highlighted] {
+                        td.number { (part.offset) } td { (part.name) } td { code { (hex(part.bytes)) } } td { code { (as_text(part.bytes)) } }
+                    }
+                }
+            }
+        } }
     }
 }
 
