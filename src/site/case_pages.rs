@@ -1,18 +1,19 @@
 //! Pages for cases. Each page shows the file byte by byte, its image, the expected result, and related cases.
 
+use image::RgbaImage;
 use maud::{Markup, html};
 
-use super::images;
-use super::misreading_pages::filter_box;
 use super::page::{PageContext, SiteFile};
+use super::{gallery, images};
 use crate::report::html::number;
-use ptm::channel_name;
 use ptm::decode::decode;
+use ptm::{Ptm, channel_name};
 use ptm_files::inspect::{Inspection, inspect};
 use ptm_files::lint::lint;
+use ptm_files::render::render_lit;
 use ptm_suite::cases::{Built, Case, Expect, TableSpelling};
 use ptm_suite::compare::{Expected, tolerance_text};
-use ptm_suite::protocol::frame::View;
+use ptm_suite::protocol::frame::{Light, View};
 
 /// Maximum size in bytes of a file on the site. Larger files can be generated with the program.
 const MAX_DOWNLOAD_BYTES: usize = 64 << 10;
@@ -21,35 +22,42 @@ const MAX_TEXELS: usize = 12;
 /// Maximum number of fields that are listed.
 const MAX_FIELDS: usize = 32;
 
-/// Renders the list of cases and a page for each case. Also returns the files that are small enough.
+/// Renders the gallery of cases and a page for each case. Also returns the files that are small enough.
 pub(super) fn pages(context: PageContext, jobs: usize) -> Vec<SiteFile> {
     let cases = &context.library.suite.cases;
-    let files = ptm_suite::kit::parallel::map_in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
+    let rendered = ptm_suite::kit::parallel::map_in_parallel(cases.len(), jobs, &|_, _| (), &|i| {
         let built = cases[i].build(TableSpelling::default());
         let page = page(context, &cases[i], &built);
         let path = format!("files/{}.ptm", cases[i].id);
         let is_small = built.file.len() <= MAX_DOWNLOAD_BYTES;
         let file = is_small.then(|| SiteFile::new(path, built.file.clone()));
-        std::iter::once(page).chain(file)
+        (thumbnail(&cases[i], &built), [Some(page), file])
     });
-    (std::iter::once(list_page(context)).chain(files.into_iter().flatten())).collect()
+    let (thumbnails, files): (Vec<_>, Vec<_>) = rendered.into_iter().unzip();
+    let mut pages = gallery::pages(context, &thumbnails);
+    pages.extend(files.into_iter().flatten().flatten());
+    pages
 }
 
-fn list_page(context: PageContext) -> SiteFile {
-    let cases = &context.library.suite.cases;
-    let body = html! {
-        p.lead { (cases.len()) " files, each with one feature that a reader can get wrong." }
-        (PageContext::descriptions(&context.library.texts.expectations, &["decode", "reject", "refuse", "lenient", "spelling"]))
-        p { "The exit statuses are defined in " (context.protocol()) "." }
-        (filter_box("cases"))
-        div.scroll tabindex="0" { table.list.cases.filtered {
-            thead { tr { th scope="col" { "case" } th scope="col" { "expected" } th scope="col" { "clauses" } th scope="col" { "format" } } }
-            tbody { @for case in cases {
-                tr title=(case.because) { td { (context.link(&case.id)) } td { (case.expect.name()) } td.clauses { (case.clauses.join(" ")) } td { (case.format().short_name()) } }
-            } }
-        } }
-    };
-    context.list("Cases", &body)
+/// Renders the map under the light of the case, or returns `None` if the reference refuses the file.
+fn thumbnail(case: &Case, built: &Built) -> Option<RgbaImage> {
+    let (ptm, light) = lit_map(case, built)?;
+    Some(gallery::fit(&render_lit(
+        &ptm.coefficients(),
+        light.lu,
+        light.lv,
+    )))
+}
+
+/// Returns the map of a case, and the light of its first view with a light.
+fn lit_map(case: &Case, built: &Built) -> Option<(Ptm, Light)> {
+    let default_view: View = View::DEFAULT_RGB.parse().expect("a light");
+    let mut views = case.views.iter().chain([&default_view]);
+    let light = views.find_map(|view| match view {
+        View::Rgb(light) => Some(light.clone()),
+        _ => None,
+    })?;
+    Some((decode(&built.file).ok()?, light))
 }
 
 fn page(context: PageContext, case: &Case, built: &Built) -> SiteFile {
@@ -104,11 +112,8 @@ fn describe_tolerance(case: &Case, built: &Built) -> Option<String> {
 }
 
 fn render_image(case: &Case, built: &Built) -> Markup {
-    let default_view: View = View::DEFAULT_RGB.parse().expect("a light");
-    let mut views = case.views.iter().chain([&default_view]);
-    let light = views.find(|view| matches!(view, View::Rgb(_)));
     html! {
-        @if let (Ok(ptm), Some(View::Rgb(light))) = (decode(&built.file), light) {
+        @if let Some((ptm, light)) = lit_map(case, built) {
             figure.large {
                 (images::render_map(&ptm.coefficients(), (light.lu, light.lv), &format!("the map, {}, under a light", ptm.header.size)))
                 figcaption { (ptm.header.size) " under the light " (light.lu) ", " (light.lv) @if case.expect != Expect::Decode { ", as the reference decodes it" } }

@@ -11,6 +11,7 @@ mod drop;
 pub mod example;
 mod format_pages;
 mod formula;
+mod gallery;
 mod glossary;
 mod home;
 mod images;

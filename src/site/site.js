@@ -113,6 +113,7 @@
     const differing = document.getElementById("differing");
     const rows = [...document.querySelectorAll("table.filtered tbody tr, section.filtered li, section.case-text.filtered")];
     const sections = [...document.querySelectorAll("section.filtered:not(.case-text)")];
+    const groups = [...document.querySelectorAll("section.filtered > details")];
     const clause = /^\d+(\.\d+)+(\/\d+)?$/;
     const texts = rows.map((row) => `${row.textContent} ${row.title}`.toLowerCase());
     const words = texts.map((text) => text.split(/[\s,;:]+/));
@@ -127,6 +128,12 @@
         row.hidden = !match;
         count += match;
       });
+      // Groups with entries that match are open while the filter is in use.
+      for (const group of groups) {
+        group.hidden = !group.querySelector("li:not([hidden])");
+        if (wanted.length && !group.hidden && !group.open) { group.open = true; group.dataset.found = ""; }
+        if (!wanted.length && "found" in group.dataset) { group.open = false; delete group.dataset.found; }
+      }
       for (const section of sections) { section.hidden = !section.querySelector("li:not([hidden])"); }
       found.textContent = count === rows.length ? `${count}` : `${count} of ${rows.length}`;
       const query = encodeURIComponent(input.value.trim());
