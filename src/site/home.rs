@@ -2,17 +2,13 @@
 
 use maud::html;
 
-use super::images;
+use super::objects;
 use super::overview;
 use super::page::{PageContext, SiteFile};
-use ptm_harness::session::lit_scene::ball;
 
 /// URL of an archived copy of the specification.
 const SPECIFICATION: &str =
     "https://web.archive.org/web/2012/http://www.hpl.hp.com/research/ptm/downloads/PtmFormat12.pdf";
-
-/// Light directions of the small images at the top of the page.
-const LIGHTS: [(f64, f64); 4] = [(-0.7, 0.3), (0.0, 0.7), (0.5, 0.5), (0.7, -0.3)];
 
 pub(super) fn page(context: PageContext) -> SiteFile {
     let library = context.library;
@@ -23,7 +19,6 @@ pub(super) fn page(context: PageContext) -> SiteFile {
         library.rulings.len(),
         library.readers().len(),
     ];
-    let map = ball(96);
     let body = html! {
         h1 { "Polynomial Texture Maps, PTM 1.2" }
         p.lead {
@@ -35,13 +30,9 @@ pub(super) fn page(context: PageContext) -> SiteFile {
             a href=(SPECIFICATION) { "archived copy" } "). It leaves some questions open, and readers answer them differently. "
             "The suite and its tools are " a href=(env!("CARGO_PKG_REPOSITORY")) { "ptm-conform" } "."
         }
-        div.lights aria-label="The same map under four lights" role="group" {
-            @for (lu, lv) in LIGHTS {
-                figure {
-                    (images::render_map(&map, (lu, lv), &format!("a ball, lit from {lu}, {lv}")))
-                    figcaption { "u " (lu) ", v " (lv) }
-                }
-            }
+        div.hero {
+            (objects::home(context))
+            p.quiet { "The same file in two decoders. To move the light, drag over an image or the dial, or use the arrow keys." }
         }
         ul.doors { @for ((url, name), count) in library.texts.counts.iter().zip(counts) { li { a href=(url) { b { (count) } " " (name) } } } }
         h2 { "File structure" }

@@ -6,6 +6,8 @@ use serde::Deserialize;
 
 use super::annotated::{Annotated, CHAPTERS, Chapter, FILES};
 use super::example::execute_all;
+use super::objects::{Objects, ShownReader};
+use super::reader_pages;
 use super::readers::{ReaderRun, reader_runs};
 use super::witness::{MisreadingWitness, witnesses};
 use ptm_files::lint::codes;
@@ -41,6 +43,8 @@ pub(super) struct Library {
     pub runs: Vec<ReaderRun>,
     /// For each misreading, the smallest file that reveals it.
     pub witnesses: HashMap<&'static str, MisreadingWitness>,
+    /// Objects that can be relit.
+    pub objects: Objects,
     /// For each id, the URL of its page, relative to the root of the site.
     page_urls: HashMap<String, String>,
 }
@@ -54,6 +58,7 @@ impl Library {
         let mut library = Library {
             witnesses: witnesses(&suite, jobs),
             suite,
+            objects: Objects::render(jobs),
             textures: Suite::load_texture()?,
             clauses: clauses::clauses()?,
             rulings: clauses::rulings()?,
@@ -64,6 +69,12 @@ impl Library {
             runs: reader_runs()?,
             page_urls: HashMap::new(),
         };
+        let readers: Vec<ShownReader> = library
+            .readers()
+            .into_iter()
+            .map(reader_pages::shown_reader)
+            .collect();
+        library.objects.render_readers(readers, jobs);
         // If two subjects have the same id, links lead to the first.
         let subjects = library.subjects().into_iter().rev();
         library.page_urls = (subjects.map(|(id, _, url, _)| (id.to_owned(), url))).collect();

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use super::page::{PageContext, SiteFile};
-use super::{images, readers::readers_with_mistake, witness::MisreadingWitness};
+use super::{images, objects, readers::readers_with_mistake, witness::MisreadingWitness};
 use ptm::decode::decode;
 use ptm::reading::Reading;
 use ptm_mistakes::Misreading;
@@ -57,6 +57,7 @@ pub(super) fn filter_box(entries: &str) -> Markup {
 fn page(context: PageContext, misreading: &Misreading) -> SiteFile {
     let rule = context.library.clause(misreading.clause);
     let witness = context.library.witnesses.get(misreading.slug);
+    let object = objects::misreading(context, misreading);
     let body = html! {
         h1 { code { (misreading.slug) } }
         p.lead { "The decoder " (misreading.effect) "." }
@@ -67,21 +68,27 @@ fn page(context: PageContext, misreading: &Misreading) -> SiteFile {
             _ => p { b { "Violates " } "the words of this clause." },
         }
         @if !readers_with_mistake(misreading).is_empty() { p { b { "Seen in " } (sightings(context, misreading)) "." } }
+        @if let Some(object) = &object { (object) }
         h2 { "Smallest file that reveals the mistake" }
         @match witness {
-            Some(witness) => (witness_markup(context, misreading, witness)),
+            Some(witness) => (witness_markup(context, misreading, witness, object.is_none())),
             None => p { "The mistake concerns a choice or the spelling of a table, so no single file of the suite reveals it." },
         }
     };
     context.entry("Misreadings", misreading.slug, misreading.slug, &body)
 }
 
-fn witness_markup(context: PageContext, misreading: &Misreading, w: &MisreadingWitness) -> Markup {
+fn witness_markup(
+    context: PageContext,
+    misreading: &Misreading,
+    w: &MisreadingWitness,
+    with_images: bool,
+) -> Markup {
     let case = &context.library.suite.cases[w.case];
     let built = case.build(TableSpelling::default());
     html! {
         p { (context.link(&case.id)) ", " (built.file.len()) " bytes, requested as " code { (w.view) } ": " (case.because) }
-        (image_pair(context, misreading))
+        @if with_images { (witness_image_pair(context, misreading)) }
         @if let Some(difference) = &w.difference { p { "In " code { (w.view) } ": " (difference) "." } }
         pre.command tabindex="0" { "ptm-conform check --case '" (case.id) "' ./my-decoder" }
     }
@@ -98,8 +105,15 @@ pub(super) fn sightings(context: PageContext, misreading: &Misreading) -> Markup
     }
 }
 
-/// Renders the correct image next to the image that a decoder with the mistake outputs.
+/// Renders an image as it is, next to the image that a decoder with the mistake outputs: an object that can be relit, or the
+/// smallest file that reveals the mistake if the object does not show it.
 pub(super) fn image_pair(context: PageContext, misreading: &Misreading) -> Markup {
+    objects::misreading(context, misreading)
+        .unwrap_or_else(|| witness_image_pair(context, misreading))
+}
+
+/// Renders the smallest file that reveals the mistake, correct and with the mistake.
+fn witness_image_pair(context: PageContext, misreading: &Misreading) -> Markup {
     let Some(witness) = context.library.witnesses.get(misreading.slug) else {
         return html! {};
     };

@@ -17,6 +17,7 @@ mod home;
 mod images;
 mod library;
 mod misreading_pages;
+mod objects;
 mod overview;
 mod page;
 mod reader_pages;
@@ -59,6 +60,7 @@ pub fn build(
         SiteFile::new("site.js", SCRIPT),
         search::index(&library),
     ];
+    files.extend(library.objects.files());
     files.extend(drop::pages(top, module)?);
     files.push(home::page(top));
     files.push(glossary::page(top));

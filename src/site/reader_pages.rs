@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
+use super::objects::{self, ShownReader};
 use super::page::{PageContext, SiteFile};
 use super::readers::ReaderRun;
 use crate::report::html::ClauseTally;
@@ -50,6 +51,24 @@ fn behaviors(reader: &str) -> Vec<&'static Misreading> {
     mistakes
 }
 
+/// Returns the reader with its known behavior. If its formats are not known, it is assumed to support all of them.
+pub(super) fn shown_reader(reader: &str) -> ShownReader {
+    let mut formats = Format::ALL.to_vec();
+    if let Some(profile) = profile(reader) {
+        formats.retain(|format| {
+            profile
+                .formats
+                .iter()
+                .any(|name| name == format.short_name())
+        });
+    }
+    ShownReader {
+        name: reader.to_owned(),
+        behaviors: behaviors(reader),
+        formats,
+    }
+}
+
 /// Returns the run of the suite against a reader, if there is one.
 fn find_run<'a>(context: PageContext<'a>, reader: &str) -> Option<&'a ReaderRun> {
     context.library.runs.iter().find(|run| run.reader == reader)
@@ -87,6 +106,7 @@ fn page(context: PageContext, reader: &str) -> SiteFile {
         .collect();
     let body = html! {
         h1 { (reader) }
+        @if let Some(object) = objects::reader(context, reader) { (object) }
         @if let Some(run) = run { (run_results(context, run)) }
         @else { p { "The suite was not run on this reader. This page is based on its source code." } }
         @if let Some(profile) = profile(reader) { (render_profile(profile)) }

@@ -2,6 +2,7 @@
 
 use maud::{Markup, html};
 
+use super::objects;
 use super::page::{PageContext, SiteFile};
 use ptm_suite::cases::Case;
 use ptm_suite::clauses::{Basis, Ruling, RulingKind};
@@ -48,6 +49,10 @@ fn page(context: PageContext, ruling: &Ruling) -> SiteFile {
         h1 { code { (ruling.id) } " " span.chip { (ruling.kind.name()) } }
         p { (context.library.texts.ruling_kinds[ruling.kind.name()]) @if ruling.kind != RulingKind::Lenient && kinds.contains(&"lenient") { " Cases of this ruling that are marked lenient are still outside the specification, and may be refused." } }
         (describe_ruling(context, ruling))
+        @if let Some(objects) = objects::choice(context, &ruling.id) {
+            h2 { "An object under each reading" }
+            (objects)
+        }
         h2 { "Clauses" }
         ul { @for clause in &ruling.clauses { li { (context.link(clause)) " " @if let Some(clause) = context.library.clause(clause) { (clause.rule) } } } }
         @if !cases.is_empty() {

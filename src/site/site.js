@@ -147,3 +147,87 @@
     if (initial) { apply(); } else { found.textContent = `${rows.length}`; }
   }
 }
+
+// Objects under a light. A file has the images of a grid of lights; the four nearest ones are blended. The grid is a square
+// that is mapped to the disk of the lights.
+{
+  const GRID = 5;
+  const MAX_LENGTH = 0.98;
+  // The place in the grid, from 0 to 4 in both directions, of a light.
+  const placeOf = ([u, v]) => {
+    const along = (a, b) => {
+      const middle = 2 + a * a - b * b;
+      const side = 2 * Math.SQRT2 * a;
+      return (Math.sqrt(Math.max(0, middle + side)) - Math.sqrt(Math.max(0, middle - side))) / 2;
+    };
+    const place = (s) => Math.min(GRID - 1, Math.max(0, (s + 1) / 2 * (GRID - 1)));
+    return [place(along(u, v)), place(-along(v, u))];
+  };
+  const draw = (canvas, image, light, side) => {
+    const context = canvas.getContext("2d");
+    const [x, y] = placeOf(light);
+    const [column, row] = [x, y].map((value) => Math.min(GRID - 2, Math.floor(value)));
+    const [right, below] = [x - column, y - row];
+    const pitch = image.naturalWidth / GRID;
+    let sum = 0;
+    for (const [i, j, weight] of [[0, 0, (1 - right) * (1 - below)], [1, 0, right * (1 - below)], [0, 1, (1 - right) * below], [1, 1, right * below]]) {
+      if (!weight) { continue; }
+      sum += weight;
+      context.globalAlpha = weight / sum;
+      context.drawImage(image, (column + i) * pitch, (row + j) * pitch, side, side, 0, 0, side, side);
+    }
+  };
+  for (const object of document.querySelectorAll(".object")) {
+    const dial = object.querySelector(".dial");
+    const output = object.querySelector("output");
+    const side = Number(object.dataset.side);
+    const layers = [];
+    let light;
+    let planned = false;
+    const show = () => {
+      planned = false;
+      for (const [canvas, image] of layers) { draw(canvas, image, light, side); }
+      const [u, v] = light.map((value) => value * MAX_LENGTH);
+      dial.style.setProperty("--u", u);
+      dial.style.setProperty("--v", v);
+      dial.setAttribute("aria-valuenow", Math.hypot(u, v).toFixed(2));
+      const text = `u ${u.toFixed(2)}, v ${v.toFixed(2)}`.replaceAll("-0.00", "0.00");
+      dial.setAttribute("aria-valuetext", text);
+      output.textContent = text;
+    };
+    const move = (u, v) => {
+      const length = Math.max(1, Math.hypot(u, v));
+      light = [u / length, v / length];
+      if (!planned) { planned = true; requestAnimationFrame(show); }
+    };
+    const listen = (element) => {
+      const drag = (event) => {
+        const box = element.getBoundingClientRect();
+        move((event.clientX - box.left) / box.width * 2 - 1, 1 - (event.clientY - box.top) / box.height * 2);
+      };
+      element.addEventListener("pointerdown", (event) => { element.setPointerCapture(event.pointerId); drag(event); });
+      element.addEventListener("pointermove", (event) => { if (event.buttons) { drag(event); } });
+    };
+    const replace = (image) => {
+      const canvas = Object.assign(document.createElement("canvas"), { width: side, height: side });
+      canvas.setAttribute("role", "img");
+      canvas.setAttribute("aria-label", image.alt.replace(/, lit from .*/, "") + " under the light of the dial");
+      layers.push([canvas, image]);
+      draw(canvas, image, light, side);
+      image.replaceWith(canvas);
+      listen(canvas);
+    };
+    light = [object.dataset.u / MAX_LENGTH, object.dataset.v / MAX_LENGTH];
+    show();
+    for (const image of object.querySelectorAll("img")) {
+      if (image.complete && image.naturalWidth) { replace(image); } else { image.addEventListener("load", () => replace(image), { once: true }); }
+    }
+    listen(dial);
+    dial.addEventListener("keydown", (event) => {
+      const step = event.shiftKey ? 0.2 : 0.05;
+      const steps = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step], Home: [-light[0], -light[1]] }[event.key];
+      if (steps) { event.preventDefault(); move(light[0] + steps[0], light[1] + steps[1]); }
+    });
+    dial.parentElement.hidden = false;
+  }
+}

@@ -13,7 +13,7 @@ const [site, screenshots, axe] = process.argv.slice(2);
 
 // One page of every kind.
 const PAGES = ["index.html", "format/index.html", "format/2.4.html", "format/2.9.8.html", "cases/index.html", "cases/hand-rgb-blocks.html",
-  "misreadings/index.html", "misreadings/big-endian-index.html", "rulings/motion-half.html", "codes/PTM-E010.html", "readers/cceh-rti.html",
+  "misreadings/index.html", "misreadings/big-endian-index.html", "misreadings/v-negated.html", "rulings/motion-half.html", "codes/PTM-E010.html", "readers/cceh-rti.html",
   "scoreboard.html", "texture/index.html", "texture/cases.html", "glossary.html", "docs/index.html", "docs/check.html", "drop.html"].filter((page) => existsSync(join(site, page)));
 const WIDTHS = [390, 768, 1280];
 
@@ -61,14 +61,39 @@ try {
   await run("const s = document.getElementById('search'); s.focus(); s.value = 'lut-count'; s.dispatchEvent(new Event('input'))");
   await until("a search result", "return document.querySelector('#hits a b')?.textContent === 'lut-count'");
   assert.equal(await run("return document.querySelector('#hits a').getAttribute('href')"), "../rulings/lut-count.html");
+  const filter = (text) => run("const f = document.getElementById('list-filter'); f.value = arguments[0]; f.dispatchEvent(new Event('input'))", text);
   // The filter of a list is part of the URL, and the URL sets the filter.
   await open("scoreboard.html");
   const all = await run("return document.querySelectorAll('tbody tr:not([hidden])').length");
   await run("document.getElementById('differing').click()");
   const differing = await run("return document.querySelectorAll('tbody tr:not([hidden])').length");
   assert.ok(differing > 0 && differing < all, `${differing} of ${all} clauses differ`);
-  await run("const f = document.getElementById('list-filter'); f.value = '2.8'; f.dispatchEvent(new Event('input'))");
+  await filter("2.8");
   assert.equal(await run("return location.search"), "?2.8");
+
+  // The filter of the cases opens the groups with cases that match.
+  await open("cases/index.html");
+  await filter("2.4/8");
+  const opened = await run("return [...document.querySelectorAll('.gallery details:not([hidden])')].map((e) => e.open && !!e.querySelector('li:not([hidden])'))");
+  assert.ok(opened.length > 1 && opened.every(Boolean), `${opened}`);
+  await filter("");
+  assert.equal(await run("return document.querySelectorAll('.gallery details[open], .gallery [hidden]').length"), 0);
+  // The dial moves the light in both images. A negated v is invisible under a light from above.
+  await open("misreadings/v-negated.html");
+  await until("two images", "return document.querySelectorAll('.object canvas').length === 2");
+  const images = async () => {
+    const canvases = await call("POST", "/elements", { using: "css selector", value: ".object canvas" });
+    const taken = [];
+    for (const canvas of canvases) { taken.push(await call("GET", `/element/${Object.values(canvas)[0]}/screenshot`)); }
+    return taken;
+  };
+  const before = await images();
+  await run("document.querySelector('.dial').dispatchEvent(new KeyboardEvent('keydown', { key: 'Home' }))");
+  await until("the light", "return document.querySelector('.object output').textContent === 'u 0.00, v 0.00'");
+  const after = await images();
+  assert.notEqual(before[0], before[1]);
+  assert.equal(after[0], after[1], "a mistake in v is visible under a light from above");
+  assert.ok(after.every((image, i) => image !== before[i]));
 
   const errors = (await log("browser")).map((entry) => entry.message);
   assert.deepEqual(errors, [], "messages on the console");

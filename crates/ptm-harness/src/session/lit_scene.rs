@@ -79,18 +79,24 @@ pub fn differ_visibly(a: &[u8], b: &[u8]) -> bool {
     texels().filter(is_visible).count() * VISIBLE_SHARE >= texels().count()
 }
 
-/// Requests the scene in every supported format until it is visibly wrong. Returns the first visibly wrong scene, or the first scene
-/// if none is. Returns `None` if no format or no view is supported, or if every request fails.
+/// Returns all formats. Formats with the colors of the scene come first, then lossless ones, then ones without table or compression.
 #[must_use]
-pub fn request(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &DecoderFn) -> Option<LitScene> {
+pub fn formats_by_fidelity() -> Vec<Format> {
     let mut formats = Format::ALL.to_vec();
-    formats.retain(|format| decoded.contains(&Feature::Format(*format)));
-    // Formats with the colors of the scene come first, then lossless ones, then ones without table or compression.
     formats.sort_by_key(|&format| {
         let (is_lum, is_lossy) = (format == Format::Lum, format.coding() == Some(Coding::Jpeg));
         let is_encoded = (format.has_table(), format.coding().is_some());
         (is_lum, is_lossy, is_encoded, format.channels())
     });
+    formats
+}
+
+/// Requests the scene in every supported format until it is visibly wrong. Returns the first visibly wrong scene, or the first scene
+/// if none is. Returns `None` if no format or no view is supported, or if every request fails.
+#[must_use]
+pub fn request(offer: &Offer, decoded: &BTreeSet<Feature>, ask: &DecoderFn) -> Option<LitScene> {
+    let mut formats = formats_by_fidelity();
+    formats.retain(|format| decoded.contains(&Feature::Format(*format)));
     let mut views = [ViewKind::Rgb, ViewKind::Coef, ViewKind::Raw].into_iter();
     let view = views.find(|view| offer.views.contains(&view.name()))?;
     let asked = match view {
