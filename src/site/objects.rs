@@ -279,12 +279,12 @@ pub(super) fn home(context: PageContext) -> Markup {
     let objects = [
         (
             correct.as_str(),
-            "a checkered ball, lit from the upper left",
+            "a checkered ball, lit from the upper left".to_owned(),
             html! { "a correct decoder" },
         ),
         (
             wrong.as_str(),
-            "the same ball, lit from the lower left",
+            "the same ball, lit from the lower left".to_owned(),
             html! { "a decoder with the mistake " (context.link("v-negated")) },
         ),
     ];
@@ -308,26 +308,37 @@ pub(super) fn reader(context: PageContext, reader: &str) -> Option<Markup> {
     ))
 }
 
-/// Renders the object under each reading of a ruling of kind choice, if a difference is visible.
+/// Renders the object under each reading of a ruling of kind choice, if a difference is visible. Readings that are visible in the
+/// same scene have one dial.
 pub(super) fn choice(context: PageContext, ruling: &str) -> Option<Markup> {
     let readings = context.library.objects.choices.get(ruling)?;
     let choice = CHOICES.iter().find(|choice| choice.ruling == ruling)?;
     let (reference, _) = choice.readings[0];
     Some(html! {
-        @for (words, comparison) in readings { (pair(context, comparison, [reference, words])) }
+        @for readings in readings.chunk_by(|(_, a), (_, b)| a.scene == b.scene) {
+            @let others: Vec<_> = readings.iter().map(|(words, comparison)| (*words, comparison)).collect();
+            (compared(context, reference, &others))
+        }
     })
 }
 
-/// Renders the object as the reference shows it and as in the comparison, with these captions.
-fn pair(context: PageContext, comparison: &Comparison, captions: [&str; 2]) -> Markup {
-    let scene = &context.library.objects.scenes[comparison.scene];
-    let [first, second] = captions.map(|caption| format!("the object: {caption}"));
-    let objects = [
-        (&*scene.path, &*first, html! { (captions[0]) }),
-        (&*comparison.path, &*second, html! { (captions[1]) }),
-    ];
+fn pair(context: PageContext, comparison: &Comparison, [first, second]: [&str; 2]) -> Markup {
+    compared(context, first, &[(second, comparison)])
+}
+
+/// Renders the object as the reference shows it, and as in comparisons of the same scene, with these captions.
+fn compared(context: PageContext, reference: &str, others: &[(&str, &Comparison)]) -> Markup {
+    let first = others[0].1;
+    let scene = &context.library.objects.scenes[first.scene];
+    let others = others
+        .iter()
+        .map(|(caption, comparison)| (&*comparison.path, *caption));
+    let objects: Vec<(&str, String, Markup)> = std::iter::once((&*scene.path, reference))
+        .chain(others)
+        .map(|(path, caption)| (path, format!("the object: {caption}"), html! { (caption) }))
+        .collect();
     html! {
-        (markup(context, comparison.still, &objects, lit_scene::SIDE))
+        (markup(context, first.still, &objects, lit_scene::SIDE))
         p.quiet { "The same object, stored as " (scene.file.name()) "." }
     }
 }
@@ -336,7 +347,7 @@ fn pair(context: PageContext, comparison: &Comparison, captions: [&str; 2]) -> M
 fn markup(
     context: PageContext,
     still: usize,
-    objects: &[(&str, &str, Markup)],
+    objects: &[(&str, String, Markup)],
     side: u32,
 ) -> Markup {
     let (lu, lv) = light(still);
