@@ -298,13 +298,13 @@ pub(super) fn misreading(context: PageContext, misreading: &Misreading) -> Optio
     Some(pair(context, comparison, ["correct", "with the mistake"]))
 }
 
-/// Renders the object correctly and as shown by the reader, if the difference is visible.
+/// Renders the object correctly and with the known mistakes and readings of the reader, if the difference is visible.
 pub(super) fn reader(context: PageContext, reader: &str) -> Option<Markup> {
     let comparison = context.library.objects.readers.get(reader)?;
     Some(pair(
         context,
         comparison,
-        ["correct", "as this reader shows it"],
+        ["correct", "computed with the known mistakes and readings of this reader"],
     ))
 }
 
