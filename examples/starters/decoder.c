@@ -4,21 +4,25 @@
 #include <stdlib.h>
 #include <string.h>
 typedef struct { unsigned long width, height, channels; int is_real; unsigned char *samples; size_t size; } Image;
-/* Reads the next word of the header. Returns its separator: ' ' for spaces, '\n' for a line feed after at most one space. */
-static int next_word(const char **rest, char word[64]) {
-    size_t length = strcspn(*rest, " \n"), spaces = strspn(*rest + length, " ");
-    if (length > 63) return 0;
-    memcpy(word, *rest, length), word[length] = 0, *rest += length + spaces;
-    return **rest == '\n' && spaces < 2 ? *(*rest)++ : spaces > 0 ? ' ' : 0;
+/* Cuts the next word off the header and sets its separator: ' ' for spaces, '\n' for a line feed after at most one space, or 0. */
+static char *next_word(char **rest, int *separator) {
+    char *word = *rest, *end = word + strcspn(word, " \n");
+    size_t spaces = strspn(end, " ");
+    *rest = end + spaces;
+    *separator = **rest == '\n' && spaces < 2 ? *(*rest)++ : spaces > 0 ? ' ' : 0;
+    *end = 0;
+    return word;
 }
 
 /* To do: set the image of a view, or return 65 for malformed files, 69 for unsupported files or views. Samples are u8 or f32,
  * texel by texel, top row first. This example decodes PTM_FORMAT_LRGB: all polynomials, then all colors, bottom row first. */
-static int decode(const char *view, const char *file, size_t size, Image *image) {
-    const char *rest = file, *ends = "\n\n*\n     *     \n"; /* '*' is a space or a line feed */
-    char words[16][64], *end;
+static int decode(const char *view, char *file, size_t size, Image *image) {
+    const char *ends = "\n\n*\n     *     \n"; /* '*' is a space or a line feed */
+    char *rest = file, *words[16], *end;
     for (int i = 0; i < 16; i++) {
-        int separator = next_word(&rest, words[i]), wanted = ends[i], is_other = i == 1 && !strncmp(words[1], "PTM_FORMAT_", 11) && strcmp(words[1], "PTM_FORMAT_LRGB");
+        int separator, wanted = ends[i];
+        words[i] = next_word(&rest, &separator);
+        int is_other = i == 1 && !strncmp(words[1], "PTM_FORMAT_", 11) && strcmp(words[1], "PTM_FORMAT_LRGB");
         if (strcmp(view, "raw") || is_other) return 69;
         if (separator == 0 || (wanted != '*' && wanted != separator)) return 65;
         size_t sign = i > 3 && (words[i][0] == '+' || words[i][0] == '-');

@@ -304,7 +304,10 @@ pub(super) fn reader(context: PageContext, reader: &str) -> Option<Markup> {
     Some(pair(
         context,
         comparison,
-        ["correct", "computed with the known mistakes and readings of this reader"],
+        [
+            "correct",
+            "computed with the known mistakes and readings of this reader",
+        ],
     ))
 }
 

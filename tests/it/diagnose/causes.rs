@@ -168,6 +168,7 @@ polynomial | a0 * u * u + a1 * v * v + a2 * u * v + a3 * u + a4 * v - a5 | rgb |
 matrix row | m[k] + Y + (m[4 + k] + Cr) + (m[8 + k] + Cb) + (m[12 + k] + 1) | rgb | m[4 + k] + Cr && m[12 + k] + 1
 matrix row | m[k] * Y + m[4 + k] * a5 + m[8 + k] * Cb + m[12 + k] | rgb | m[4 + k] * a5
 color | L + rgb / 255 | rgb | L + rgb / 255 instead of
+RGB sample | (c + width * height + row * width + x) * 6 + i | any | (c + width * height + (row * width + x)) * 6 + i instead of
 channel of a coefficient | c * 6 + i + 1 | rgb | c * 6 + i + 1 instead of
 matrix row | m[k] * Y + m[5 + k] * Cr + m[10 + k] * Cb + m[15 + k] | rgb | m[10 + k] * Cb
 LUM sample | (row * width + x) * 8 + i - 1 | any | * 8 + i + -1 instead of

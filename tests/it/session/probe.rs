@@ -217,7 +217,7 @@ b"".join(bytes(255 - x for x in t) for t in ptm.texels)
         "
 1 | samples = bytes(color_byte(channel) for color in colors for channel in color)
   | samples = bytes(color_byte(channel) for color in colors for channel in list(color)[::-1])
-  | LRGB, RGB, LUM, PTM_LUT, PTM_C_LUT rgb:0.3125,-0.4375: red and blue are swapped (BGR)",
+  | ✗ LRGB, RGB, LUM, PTM_LUT, PTM_C_LUT && rgb:0.3125,-0.4375: red and blue are swapped (BGR) && 1 thing to fix",
     );
 }
 

@@ -194,9 +194,15 @@ impl Expression {
     /// Appends the expression to `text`. Adds parentheses if the expression binds more weakly than `strength`: 1 for a term, 2
     /// for a factor, 3 for the right side of a division.
     fn write(&self, text: &mut String, scope: Scope, strength: u8) {
+        // An address with one digit is this digit.
+        if let Expression::Address(digits) = self
+            && let [(digit, _)] = &digits[..]
+        {
+            return digit.write(text, scope, strength);
+        }
         let own_strength = match self {
             Expression::Sum(_) => 0,
-            Expression::Address(digits) if digits.len() > 1 => 0,
+            Expression::Address(_) => 0,
             Expression::Negative(_) => 1,
             Expression::Product(_) | Expression::Quotient(..) => 2,
             _ => 3,
@@ -535,6 +541,17 @@ mod tests {
         // An address is printed as arithmetic, and a choice as words.
         let address = print("[a:3, b + 1:width, 1:6]");
         assert_eq!(address, "(a * width + b + 1) * 6 + 1");
+        let sum = Expression::Address(vec![
+            (
+                parse("a + b", SCOPE).expect("a sum"),
+                Expression::Number(1.0),
+            ),
+            (
+                parse("b", SCOPE).expect("a variable"),
+                Expression::Number(6.0),
+            ),
+        ]);
+        assert_eq!(sum.display(SCOPE), "(a + b) * 6 + b");
         let choice = print("1 + select(at_most(abs(a), 0), b, 2)");
         assert_eq!(choice, "1 + (b if a = 0, else 2)");
     }
