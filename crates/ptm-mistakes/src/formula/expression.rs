@@ -201,8 +201,7 @@ impl Expression {
             return digit.write(text, scope, strength);
         }
         let own_strength = match self {
-            Expression::Sum(_) => 0,
-            Expression::Address(_) => 0,
+            Expression::Sum(_) | Expression::Address(_) => 0,
             Expression::Negative(_) => 1,
             Expression::Product(_) | Expression::Quotient(..) => 2,
             _ => 3,
