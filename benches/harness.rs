@@ -8,8 +8,8 @@ use std::fs;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 use ptm_harness::pipeline::{Check, Subject, check, judge_answers};
@@ -91,21 +91,12 @@ fn plan(selected: &[bool], serves: bool) -> RunPlan {
     RunPlan {
         selected: selected.to_vec(),
         jobs: jobs(),
-        views: Vec::new(),
-        prioritized: Vec::new(),
-        withheld: Vec::new(),
-        precomputed: false,
-        declared_views: Vec::new(),
-        declared_kinds: Vec::new(),
         repeat: if serves {
             Repeat::FailuresAndSample
         } else {
             Repeat::Failures
         },
-        unanswered: Arc::default(),
-        stop: Arc::default(),
-        fail_fast: false,
-        has_failure: Arc::default(),
+        ..RunPlan::default()
     }
 }
 

@@ -10,7 +10,6 @@ codec, through `check`. The expected samples of JPEG streams are those of `ptm-c
 encoder in codecs/ls_encoder.py. --folder keeps the installed packages for the next run. Needs Python 3.9, and optionally node, cargo and java.
 """
 
-import argparse
 import datetime
 import json
 import os
@@ -20,7 +19,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import tempfile
 import threading
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -28,6 +26,8 @@ ROOT = HERE.parent
 PARTS = HERE / "codecs"
 sys.path.insert(0, str(PARTS))
 import ls_encoder
+import measuring
+from measuring import run, say
 from worker import frame_header
 
 ANSWER_SECONDS = 30
@@ -101,10 +101,6 @@ ENCODERS = [
 SIZES = [(1, 1), (1, 7), (9, 1), (8, 8), (17, 9), (64, 48)]
 KINDS = ["smooth", "noise", "cells", "residuals", "wrapped residuals"]
 QUALITIES = [20, 30, 50, 75, 90, 95, 100]
-
-
-def say(text):
-    print(text, file=sys.stderr, flush=True)
 
 
 # The planes
@@ -398,26 +394,6 @@ class Worker:
                 self.process.kill()
 
 
-def read_lock():
-    """Returns {registry: {package: version}}."""
-    lock = {"pypi": {}, "npm": {}, "cargo": {}}
-    for line in (HERE / "codecs.lock").read_text().splitlines():
-        if line and not line.startswith("#"):
-            registry, package, version = line.split()
-            lock[registry][package] = version
-    return lock
-
-
-def run(command, **options):
-    """Returns None, or the last line of the error."""
-    try:
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900, **options)
-    except (OSError, subprocess.TimeoutExpired) as problem:
-        return str(problem)
-    lines = done.stdout.strip().splitlines()
-    return None if done.returncode == 0 else (lines[-1] if lines else "exit status %d" % done.returncode)
-
-
 def install(folder, lock, kinds):
     """Installs the packages. Returns the commands of the workers by kind, and the packages that are there."""
     commands, installed = {}, set()
@@ -672,28 +648,18 @@ def markdown(results, recorded, date):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=ROOT / "target/debug/ptm-conform", type=pathlib.Path)
+    parser = measuring.option_parser(__doc__)
     parser.add_argument("--only", help="run only the libraries whose name contains this word")
     parser.add_argument("--no-check", action="store_true", help="do not run `check`")
     parser.add_argument("--folder", type=pathlib.Path, help="install the packages here and keep them")
-    parser.add_argument("--json", type=pathlib.Path, help="also write the results, to compare two runs")
-    parser.add_argument("--docs", type=pathlib.Path, help="replace the tables in this document")
-    options = parser.parse_args()
-    program = options.program.resolve()
-    if not program.exists():
-        raise SystemExit(f"{program} does not exist: run cargo build, or name the program with --program")
-    folder = (options.folder or pathlib.Path(tempfile.mkdtemp(prefix="codecs-"))).resolve()
-    folder.mkdir(parents=True, exist_ok=True)
-    try:
-        measure_all(options, program, folder)
-    finally:
-        if not options.folder:
-            shutil.rmtree(folder, ignore_errors=True)
+    options = measuring.parse(parser)
+    with measuring.package_folder(options.folder, "codecs") as folder:
+        measure_all(options, folder)
 
 
-def measure_all(options, program, folder):
-    lock = read_lock()
+def measure_all(options, folder):
+    program = options.program
+    lock = measuring.read_lock(HERE / "codecs.lock")
     versions = {**lock["pypi"], **lock["npm"], **lock["cargo"]}
     chosen = [row for row in DECODERS if not options.only or options.only in row[0]]
     chosen_encoders = [row for row in ENCODERS if not options.only or options.only in row[0]]
@@ -732,16 +698,8 @@ def measure_all(options, program, folder):
             results["encoders"].append({"library": library, "version": version(package), "codec": codec, "result": measure_encoder(worker, codec)})
             worker.close()
             say(f"encoder {library}: {results['encoders'][-1]['result']}")
-    if options.json:
-        options.json.write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n")
     recorded = json.loads((PARTS / "recorded.json").read_text())
-    tables = markdown(results, recorded, datetime.date.today().isoformat())
-    print(tables)
-    if options.docs:
-        text = options.docs.read_text()
-        begin, end = "<!-- begin: scripts/codecs.py -->\n", "<!-- end: scripts/codecs.py -->"
-        before, after = text.split(begin)[0], text.split(end)[1]
-        options.docs.write_text(before + begin + "\n" + tables + "\n" + end + after)
+    measuring.write_results(options, "scripts/codecs.py", results, markdown(results, recorded, datetime.date.today().isoformat()))
 
 
 if __name__ == "__main__":

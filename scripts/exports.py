@@ -9,7 +9,6 @@ Installs the versions of scripts/exports.lock from PyPI and npm in a temporary f
 of the document, too. --folder keeps the installed packages for the next run. Needs Python 3.9, and optionally node, file and gio.
 """
 
-import argparse
 import datetime
 import json
 import os
@@ -18,7 +17,9 @@ import re
 import shutil
 import subprocess
 import sys
-import tempfile
+
+import measuring
+from measuring import run, say, table
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent
@@ -90,31 +91,7 @@ IDENTIFIERS = [
 FORMATS = ["LRGB", "RGB", "LUM", "PTM_LUT", "PTM_C_LUT", "JPEG_LRGB", "JPEG_RGB", "JPEGLS_LRGB", "JPEGLS_RGB"]
 
 
-def say(text):
-    print(text, file=sys.stderr, flush=True)
-
-
 # The packages
-
-
-def read_lock():
-    """Returns {registry: {package: version}}."""
-    lock = {"pypi": {}, "pypi-b": {}, "npm": {}}
-    for line in (HERE / "exports.lock").read_text().splitlines():
-        if line and not line.startswith("#"):
-            registry, package, version = line.split()
-            lock[registry][package] = version
-    return lock
-
-
-def run(command, **options):
-    """Returns None, or the last line of the error."""
-    try:
-        done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, timeout=900, **options)
-    except (OSError, subprocess.TimeoutExpired) as problem:
-        return str(problem)
-    lines = done.stdout.strip().splitlines()
-    return None if done.returncode == 0 else (lines[-1] if lines else f"exit status {done.returncode}")
 
 
 def install(folder, lock):
@@ -351,10 +328,6 @@ def run_snippets(machine, files, document):
 # The tables
 
 
-def table(head, rows):
-    return ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)] + ["| " + " | ".join(row) + " |" for row in rows] + [""]
-
-
 def group(found):
     """Describes what a program says about the nine formats: one answer, or each answer with its formats."""
     answers = {}
@@ -385,26 +358,16 @@ def markdown(results, recorded, date):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=ROOT / "target/debug/ptm-conform", type=pathlib.Path)
+    parser = measuring.option_parser(__doc__)
     parser.add_argument("--folder", type=pathlib.Path, help="install the packages here and keep them")
-    parser.add_argument("--json", type=pathlib.Path, help="also write the results, to compare two runs")
-    parser.add_argument("--docs", type=pathlib.Path, help="replace the tables in this document")
-    options = parser.parse_args()
-    program = options.program.resolve()
-    if not program.exists():
-        raise SystemExit(f"{program} does not exist: run cargo build, or name the program with --program")
-    folder = (options.folder or pathlib.Path(tempfile.mkdtemp(prefix="exports-"))).resolve()
-    folder.mkdir(parents=True, exist_ok=True)
-    try:
-        measure_all(options, program, folder)
-    finally:
-        if not options.folder:
-            shutil.rmtree(folder, ignore_errors=True)
+    options = measuring.parse(parser)
+    with measuring.package_folder(options.folder, "exports") as folder:
+        measure_all(options, folder)
 
 
-def measure_all(options, program, folder):
-    lock = read_lock()
+def measure_all(options, folder):
+    program = options.program
+    lock = measuring.read_lock(HERE / "exports.lock")
     machine = Machine(folder, lock, install(folder, lock))
     files = make_files(program, folder, machine.python())
     rgb, lrgb = CHANNELS["RGB"], CHANNELS["LRGB"]
@@ -420,15 +383,8 @@ def measure_all(options, program, folder):
         "identify": measure_identifiers(machine, program, folder),
         "snippets": run_snippets(machine, files, options.docs or ROOT / "docs/exports.md"),
     }
-    if options.json:
-        options.json.write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n")
     recorded = json.loads((PARTS / "recorded.json").read_text())
-    tables = markdown(results, recorded, datetime.date.today().isoformat())
-    print(tables)
-    if options.docs:
-        text = options.docs.read_text()
-        begin, end = "<!-- begin: scripts/exports.py -->\n", "<!-- end: scripts/exports.py -->"
-        options.docs.write_text(text.split(begin)[0] + begin + "\n" + tables + "\n" + end + text.split(end)[1])
+    measuring.write_results(options, "scripts/exports.py", results, markdown(results, recorded, datetime.date.today().isoformat()))
     if any(result != "right" for result in results["snippets"].values()):
         sys.exit("a snippet of the document is wrong")
 

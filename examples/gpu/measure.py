@@ -22,7 +22,9 @@ from fractions import Fraction
 
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "decoders")]
+sys.path[:0] = [str(HERE), str(HERE.parent / "decoders"), str(ROOT / "scripts")]
+import measuring
+from measuring import say, table
 import units
 import numpy
 import ptm_decoder
@@ -34,10 +36,6 @@ RENDERERS = {
     "softpipe": {"LIBGL_ALWAYS_SOFTWARE": "1", "GALLIUM_DRIVER": "softpipe", "MESA_GL_VERSION_OVERRIDE": "4.5", "MESA_GLSL_VERSION_OVERRIDE": "450"},
     "gpu": {},
 }
-
-
-def say(text):
-    print(text, file=sys.stderr, flush=True)
 
 
 # Colors of a PTM
@@ -330,10 +328,6 @@ def percent(part, whole):
     return "0" if part == 0 else f"{share:.{2 if share < 1 else 3}g} %"
 
 
-def table(head, rows):
-    return ["| " + " | ".join(head) + " |", "|" + "---|" * len(head)] + ["| " + " | ".join(map(str, row)) + " |" for row in rows] + [""]
-
-
 def fraction_of_255(error):
     return "0" if error < 1e-6 else f"{error * 255:.3f}/255"
 
@@ -409,17 +403,12 @@ def summary(failures):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--program", default=ROOT / "target/debug/ptm-conform", type=pathlib.Path)
+    parser = measuring.option_parser(__doc__)
     parser.add_argument("--no-check", action="store_true", help="do not run `check`")
     parser.add_argument("--gpu", action="store_true", help="measure the renderer that EGL chooses, instead of Mesa's")
-    parser.add_argument("--json", type=pathlib.Path, help="also write the results, to compare two runs")
-    parser.add_argument("--docs", type=pathlib.Path, help="replace the tables in this document")
     parser.add_argument("--unit", choices=RENDERERS, help=argparse.SUPPRESS)
-    options = parser.parse_args()
-    program = options.program.resolve()
-    if not program.exists():
-        raise SystemExit(f"{program} does not exist: run cargo build, or name the program with --program")
+    options = measuring.parse(parser)
+    program = options.program
     if options.unit:
         return print(json.dumps(units.or_skip(measure_unit, program, options.unit)))
     chosen = ["gpu"] if options.gpu else ["llvmpipe", "softpipe"]
@@ -434,14 +423,8 @@ def main():
     results["units"]["numpy"] = {"renderer": f"numpy {numpy.__version__}", "colors": measure_colors(program, "numpy")}
     if not options.no_check:
         results["checks"] = measure_checks(program, chosen)
-    if options.json:
-        options.json.write_text(json.dumps(results, indent=1) + "\n")
-    tables = markdown(results, json.loads((HERE / "recorded.json").read_text()), datetime.date.today().isoformat())
-    print(tables)
-    if options.docs:
-        text = options.docs.read_text()
-        begin, end = "<!-- begin: examples/gpu/measure.py -->\n", "<!-- end: examples/gpu/measure.py -->"
-        options.docs.write_text(text.split(begin)[0] + begin + "\n" + tables + "\n" + end + text.split(end)[1])
+    recorded = json.loads((HERE / "recorded.json").read_text())
+    measuring.write_results(options, "examples/gpu/measure.py", results, markdown(results, recorded, datetime.date.today().isoformat()))
 
 
 if __name__ == "__main__":

@@ -58,7 +58,7 @@ pub fn run(args: &CheckArgs) -> CommandResult {
 
 fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     let suite = Suite::load()?;
-    let smoke = smoke::selection(&suite, &Format::ALL)?;
+    let smoke = smoke::selection(&suite, &[])?;
     let is_of_format =
         |i: usize| args.formats.is_empty() || args.formats.contains(&suite.cases[i].format());
     let smoke_of = |formats: &[Format]| match args.smoke {
@@ -66,11 +66,7 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         false => Ok(vec![true; suite.cases.len()]),
     };
     if args.list {
-        let smoke = smoke_of(if args.formats.is_empty() {
-            &Format::ALL
-        } else {
-            &args.formats
-        })?;
+        let smoke = smoke_of(&args.formats)?;
         let selected = args.select_cases(&suite, |i| smoke[i] && is_of_format(i))?;
         return Ok(list_cases(&suite, &selected));
     }
@@ -86,7 +82,7 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         Some(program) if args.smoke && args.shard.is_none() => {
             supported_formats(program, &suite, scratch)
         }
-        _ => Format::ALL.to_vec(),
+        _ => Vec::new(),
     };
     let in_smoke = smoke_of(&chosen)?;
     let selected = args.select_cases(&suite, |i| in_smoke[i] && is_of_format(i))?;
@@ -110,7 +106,7 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
             Repeat::Failures
         },
         stop: Arc::clone(stop),
-        fail_fast: args.fail_fast,
+        fail_fast: args.fail_fast.then(Arc::default),
         ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?)
     }
     .with_capabilities(&capabilities);
@@ -164,7 +160,7 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     Ok(status)
 }
 
-/// Returns the formats of the first files that the program decodes in any view, or all formats if it decodes none.
+/// Returns the formats of the first files that the program decodes in any view.
 fn supported_formats(program: &Decoder, suite: &Suite, scratch: &Scratch) -> Vec<Format> {
     let first: Vec<&Case> = suite.cases.iter().filter(|case| case.first).collect();
     let is_decoded = |case: &&Case, table: TableSpelling| {
@@ -176,18 +172,9 @@ fn supported_formats(program: &Decoder, suite: &Suite, scratch: &Scratch) -> Vec
     };
     let is_supported = |format: &Format| {
         let mut cases = first.iter().filter(|case| case.format() == *format);
-        let spellings = if format.has_table() { 6 } else { 1 };
-        cases.any(|case| {
-            TableSpelling::all()
-                .take(spellings)
-                .any(|table| is_decoded(case, table))
-        })
+        cases.any(|case| TableSpelling::of(*format).any(|table| is_decoded(case, table)))
     };
-    let supported: Vec<Format> = Format::ALL.into_iter().filter(is_supported).collect();
-    match supported.is_empty() {
-        true => Format::ALL.to_vec(),
-        false => supported,
-    }
+    Format::ALL.into_iter().filter(is_supported).collect()
 }
 
 /// Prints the ids of the selected cases. Returns the exit status.
@@ -241,7 +228,7 @@ fn check_stage(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         selected,
         repeat: Repeat::Failures,
         stop: Arc::clone(stop),
-        fail_fast: args.fail_fast,
+        fail_fast: args.fail_fast.then(Arc::default),
         ..RunPlan::new(&suite, jobs(args.run.calls.jobs)?)
     };
     let circumstances = Circumstances {

@@ -217,13 +217,13 @@ fn print_comparison(comparison: &BaselineComparison, status: u8) {
     };
     let new = list("new failures (not in the baseline)", &comparison.new);
     let stale = list("stale, listed but passing", &comparison.stale);
-    let verdict = match status {
-        0 => "ok",
-        4 => "out of date: remove the listed cases that pass",
-        _ => "fail",
+    let (verdict, advice) = match status {
+        0 => ("ok", ""),
+        4 => ("out of date", "; remove the listed cases that pass"),
+        _ => ("fail", ""),
     };
     let (known, new_count) = (comparison.known.len(), comparison.new.len());
     print(&format!(
-        "{new}{stale}{verdict}: {known} known failures, {new_count} new\n"
+        "{new}{stale}{verdict}: {known} known failures, {new_count} new{advice}\n"
     ));
 }

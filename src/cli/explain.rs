@@ -54,10 +54,10 @@ pub fn run(args: &ExplainArgs) -> CommandResult {
         return Ok(0);
     };
     let Some(text) = explain(id, args.all)? else {
-        let suite = Suite::load()?;
-        let found = search(id, &suite)?;
+        let known = explainable(&Suite::load()?)?;
+        let found = search(id, &known);
         if found.is_empty() {
-            return Err(unknown_id_message(id, &suite)?.into());
+            return Err(unknown_id_message(id, &known).into());
         }
         print_styled(&found);
         return Ok(0);
@@ -400,68 +400,46 @@ const FIRST_FIELDS: usize = 3;
 /// Maximum number of texts of each kind that a search lists.
 const MAX_FOUND: usize = 8;
 
-/// Searches for a word in the ids and texts of everything that can be explained. Returns an empty string if it occurs nowhere.
-fn search(word: &str, suite: &Suite) -> Result<String, String> {
+/// Kind of ids, and each id with its text.
+type Explainable = (&'static str, Vec<(String, String)>);
+
+/// Returns the ids that can be explained, by kind, with the texts about them.
+fn explainable(suite: &Suite) -> Result<[Explainable; 6], String> {
     let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
     let profiles = readers::load_profiles(None)?;
     let entry = |id: &str, says: &str| (id.to_owned(), says.trim().to_owned());
-    let kinds: [(&str, Vec<(String, String)>); 6] = [
-        (
-            "clauses",
-            clauses
-                .iter()
-                .map(|clause| entry(&clause.id, &clause.rule))
-                .collect(),
-        ),
-        (
-            "rulings",
-            rulings
-                .iter()
-                .map(|ruling| {
-                    entry(
-                        &ruling.id,
-                        &format!("{} {}", ruling.question.trim(), ruling.reading),
-                    )
-                })
-                .collect(),
-        ),
-        (
-            "misreadings",
-            ptm_mistakes::all()
-                .map(|found| entry(found.slug, found.effect))
-                .collect(),
-        ),
-        (
-            "lint codes",
-            codes::ALL
-                .iter()
-                .map(|code| entry(code.id, code.message))
-                .collect(),
-        ),
-        (
-            "readers",
-            profiles
-                .iter()
-                .map(|profile| entry(&profile.name, &profile.reader))
-                .collect(),
-        ),
-        (
-            "cases",
-            suite
-                .cases
-                .iter()
-                .map(|case| entry(&case.id, &case.because))
-                .collect(),
-        ),
-    ];
+    let of_ruling = |ruling: &Ruling| format!("{} {}", ruling.question.trim(), ruling.reading);
+    let clauses = clauses.iter().map(|clause| entry(&clause.id, &clause.rule));
+    let rulings = rulings
+        .iter()
+        .map(|ruling| entry(&ruling.id, &of_ruling(ruling)));
+    let misreadings = ptm_mistakes::all().map(|found| entry(found.slug, found.effect));
+    let codes = codes::ALL.iter().map(|code| entry(code.id, code.message));
+    let readers = profiles
+        .iter()
+        .map(|profile| entry(&profile.name, &profile.reader));
+    let cases = suite
+        .cases
+        .iter()
+        .map(|case| entry(&case.id, &case.because));
+    Ok([
+        ("clauses", clauses.collect()),
+        ("rulings", rulings.collect()),
+        ("misreadings", misreadings.collect()),
+        ("lint codes", codes.collect()),
+        ("readers", readers.collect()),
+        ("cases", cases.collect()),
+    ])
+}
+
+/// Searches for a word in the ids and texts of everything that can be explained. Returns an empty string if it occurs nowhere.
+fn search(word: &str, known: &[Explainable]) -> String {
     let wanted = word.to_lowercase();
+    let contains = |text: &String| text.to_lowercase().contains(&wanted);
     let mut text = String::new();
-    for (kind, entries) in kinds {
-        let contains = |text: &String| text.to_lowercase().contains(&wanted);
-        let found: Vec<_> = entries
-            .iter()
-            .filter(|(id, says)| contains(id) || contains(says))
-            .collect();
+    for (kind, entries) in known {
+        let matches = |(id, says): &&(String, String)| contains(id) || contains(says);
+        let found: Vec<_> = entries.iter().filter(matches).collect();
         if found.is_empty() {
             continue;
         }
@@ -473,26 +451,18 @@ fn search(word: &str, suite: &Suite) -> Result<String, String> {
             let _ = writeln!(text, "  … and {} more", found.len() - MAX_FOUND);
         }
     }
-    Ok(text)
+    text
 }
 
-fn unknown_id_message(id: &str, suite: &Suite) -> Result<String, String> {
-    let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
-    let profiles = readers::load_profiles(None)?;
-    let cases = suite.cases.iter().map(|case| case.id.as_str());
-    let known = cases
-        .chain(clauses.iter().map(|clause| clause.id.as_str()))
-        .chain(rulings.iter().map(|ruling| ruling.id.as_str()))
-        .chain(ptm_mistakes::all().map(|misreading| misreading.slug))
-        .chain(codes::ALL.iter().map(|code| code.id))
-        .chain(profiles.iter().map(|profile| profile.name.as_str()));
-    let hint = match did_you_mean(id, known) {
+fn unknown_id_message(id: &str, known: &[Explainable]) -> String {
+    let entries = known.iter().flat_map(|(_, entries)| entries);
+    let hint = match did_you_mean(id, entries.map(|(id, _)| id.as_str())) {
         hint if hint.is_empty() => {
             "; ptm-conform explain lists all sections, misreadings, rulings and codes".to_owned()
         }
         hint => hint,
     };
-    Ok(format!("unknown id {id:?}{hint}"))
+    format!("unknown id {id:?}{hint}")
 }
 
 /// Describes a lint code and lists the cases that trigger it.

@@ -75,11 +75,7 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     }
     #[cfg(unix)]
     if args.smoke {
-        let smoke = smoke::ids(if formats.is_empty() {
-            &Format::ALL
-        } else {
-            formats
-        })?;
+        let smoke = smoke::ids(formats)?;
         suite.cases.retain(|case| smoke.contains(&case.id));
     }
     suite

@@ -80,6 +80,26 @@ struct Comparison {
     still: usize,
 }
 
+impl Comparison {
+    /// Adds the file of a comparison.
+    fn new(files: &mut BTreeMap<String, Vec<u8>>, compared: Compared) -> Comparison {
+        let Compared {
+            scene,
+            still,
+            sprite,
+        } = compared;
+        let path = put(files, sprite);
+        Comparison { scene, path, still }
+    }
+}
+
+/// A visible difference: the index of the scene, the index of the light that shows it, and the file with the images.
+struct Compared {
+    scene: usize,
+    still: usize,
+    sprite: Vec<u8>,
+}
+
 /// A reader whose images are rendered.
 pub(super) struct ShownReader {
     pub name: String,
@@ -133,9 +153,7 @@ impl Objects {
             .iter()
             .zip(compared)
             .filter_map(|(misreading, compared)| {
-                let (scene, still, sprite) = compared?;
-                let path = put(&mut files, sprite);
-                Some((misreading.slug, Comparison { scene, path, still }))
+                Some((misreading.slug, Comparison::new(&mut files, compared?)))
             })
             .collect();
         let readings: Vec<_> = CHOICES
@@ -154,9 +172,8 @@ impl Objects {
         });
         let mut choices: HashMap<_, Vec<_>> = HashMap::new();
         for ((ruling, (words, _)), compared) in readings.into_iter().zip(compared) {
-            if let Some((scene, still, sprite)) = compared {
-                let path = put(&mut files, sprite);
-                let compared = (*words, Comparison { scene, path, still });
+            if let Some(compared) = compared {
+                let compared = (*words, Comparison::new(&mut files, compared));
                 choices.entry(ruling).or_default().push(compared);
             }
         }
@@ -181,9 +198,8 @@ impl Objects {
             )
         });
         for (reader, compared) in readers.into_iter().zip(compared) {
-            if let Some((scene, still, sprite)) = compared {
-                let path = put(&mut self.files, sprite);
-                let comparison = Comparison { scene, path, still };
+            if let Some(compared) = compared {
+                let comparison = Comparison::new(&mut self.files, compared);
                 self.readers.insert(reader.name, comparison);
             }
         }
@@ -203,13 +219,13 @@ fn put(files: &mut BTreeMap<String, Vec<u8>>, bytes: Vec<u8>) -> String {
 }
 
 /// Finds the first scene that is visibly different with the mistakes and under the reading. Scenes for which `is_relevant` is false
-/// are skipped. Returns the index of the scene, the index of the light that shows the difference, and the file with the images.
+/// are skipped.
 fn compare(
     scenes: &[Scene],
     mistakes: &[&Misreading],
     reading: Reading,
     is_relevant: impl Fn(&Scene) -> bool,
-) -> Option<(usize, usize, Vec<u8>)> {
+) -> Option<Compared> {
     let mut relevant = scenes
         .iter()
         .enumerate()
@@ -221,7 +237,11 @@ fn compare(
             image.is_some_and(|image| differ_visibly(&scene.images[light], &image))
         })?;
         let images = render_all(mistakes, &reading, &ptm)?;
-        Some((index, still, sprite(lit_scene::SIDE, &images)))
+        Some(Compared {
+            scene: index,
+            still,
+            sprite: sprite(lit_scene::SIDE, &images),
+        })
     })
 }
 

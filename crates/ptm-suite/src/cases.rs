@@ -123,6 +123,11 @@ impl TableSpelling {
         let both = |count| [false, true].map(|newline| TableSpelling { count, newline });
         Count::ALL.into_iter().flat_map(both)
     }
+
+    /// Returns the spellings of files of a format, the default spelling first. Files without a table have only one.
+    pub fn of(format: Format) -> impl Iterator<Item = TableSpelling> {
+        TableSpelling::all().take(if format.has_table() { usize::MAX } else { 1 })
+    }
 }
 
 impl Case {

@@ -103,8 +103,6 @@ impl ClauseTally {
 
 /// Results of a run for the cases of each format, and of each section and format.
 pub(super) struct FormatTallies<'a> {
-    /// The formats of the suite, in the order of the specification.
-    pub formats: Vec<&'static str>,
     by_section: BTreeMap<(&'a str, &'static str), ClauseTally>,
     by_format: BTreeMap<&'static str, ClauseTally>,
 }
@@ -113,7 +111,6 @@ impl<'a> FormatTallies<'a> {
     /// Counts the results of a report. A case counts once for each section of its clauses.
     pub(super) fn new(report: &'a Report, texts: &SuiteTexts) -> FormatTallies<'a> {
         let mut tallies = FormatTallies {
-            formats: Format::ALL.map(Format::short_name).to_vec(),
             by_section: BTreeMap::new(),
             by_format: BTreeMap::new(),
         };
@@ -151,13 +148,13 @@ impl<'a> FormatTallies<'a> {
                 div.scroll tabindex="0" {
                     table.sections {
                         caption { "Sections of the specification and formats: failed cases, or ✓ if all judged cases passed" }
-                        thead { tr { th scope="col" { "section" } @for format in &self.formats { th scope="col" { span { (format) } } } } }
+                        thead { tr { th scope="col" { "section" } @for format in Format::ALL { th scope="col" { span { (format.short_name()) } } } } }
                         tbody {
                             @for section in sections {
                                 tr {
                                     th scope="row" { (section) }
-                                    @for format in &self.formats {
-                                        (self.by_section.get(&(section, *format)).copied().unwrap_or_default().heat_cell(section, format))
+                                    @for format in Format::ALL.map(Format::short_name) {
+                                        (self.by_section.get(&(section, format)).copied().unwrap_or_default().heat_cell(section, format))
                                     }
                                 }
                             }

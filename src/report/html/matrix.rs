@@ -4,6 +4,7 @@ use maud::{Markup, html};
 
 use crate::report::html::clause_map::{FormatTallies, group_by_section, tallies};
 use crate::report::html::shell::{complete_page, link, verdict_mark};
+use ptm::Format;
 use ptm_harness::report::document::{LikelyCause, Report};
 use ptm_harness::report::suite_texts::SuiteTexts;
 
@@ -57,7 +58,7 @@ pub fn matrix(reports: &[Report], texts: &SuiteTexts) -> Result<String, String> 
                     @if !texts.formats.is_empty() {
                         tbody {
                             tr.section { th colspan=(reports.len() + 1) scope="rowgroup" { "Formats" } }
-                            @for format in &by_format[0].formats {
+                            @for format in Format::ALL.map(Format::short_name) {
                                 tr { th scope="row" { (format) } @for tallies in &by_format { (tallies.of_format(format).cell()) } }
                             }
                         }

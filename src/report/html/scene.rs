@@ -51,8 +51,11 @@ u -v: The image is lit from below, so v points down.
 /// Describes the visible mistake in the received image.
 fn describe_fault(scene: &LitScene) -> &'static str {
     let (right, received) = (&scene.correct, &scene.received);
-    if !scene.is_visibly_wrong() {
+    if right == received {
         return "This decoder shows the scene correctly.";
+    }
+    if !scene.is_visibly_wrong() {
+        return "This decoder shows the scene almost correctly.";
     }
     let side = SIDE as usize;
     for line in IMAGE_TRANSFORMS.lines().chain(LIGHT_CHANGES.lines()) {

@@ -13,7 +13,7 @@ use ptm_suite::protocol::frame::{Frame, Samples, View};
 const INVISIBLE: &str = "\
 text-mode-universal: only files with certain bytes change
 last-texel-lost: a single texel differs
-bias-over-256: final values differ by less than 1 %
+bias-over-256: colors differ by at most 1
 coefficient-truncated: final values differ by less than 1
 coefficient-rounded: final values differ by less than 1
 coefficient-floored: final values differ by less than 1

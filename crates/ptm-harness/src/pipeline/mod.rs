@@ -308,7 +308,7 @@ fn request_cases<C: Checkable>(
             is_wrong: !observation.is_open() && response.is_certain_failure(case.expect()),
         };
         if finished.is_wrong {
-            check.plan.has_failure.store(true, Ordering::Relaxed);
+            check.plan.note_failure();
         }
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         observer.case_finished(&finished, done, total.load(Ordering::Relaxed));

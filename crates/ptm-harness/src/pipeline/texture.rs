@@ -89,7 +89,7 @@ pub fn check(
             is_wrong: !observation.is_open() && response.is_certain_failure(case.expectation()),
         };
         if finished.is_wrong {
-            plan.has_failure.store(true, Ordering::Relaxed);
+            plan.note_failure();
         }
         observer.case_finished(&finished, done, total);
     };

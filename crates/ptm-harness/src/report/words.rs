@@ -55,52 +55,29 @@ pub fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
 /// Name shown in reports if the decoder is a function in the process that started ptm-conform.
 pub const CALLER_COMMAND: &str = "a function of the caller";
 
-/// Words about programs, and what they mean for a function: it raises exceptions instead of exiting with a status. Longer words
-/// precede the shorter ones that they contain.
-const FOR_FUNCTIONS: [(&str, &str); 15] = [
-    (
-        "exits with exit status 65",
-        "raises the exception for malformed files",
-    ),
-    (
-        "exits with exit status 69",
-        "raises the exception for unsupported files",
-    ),
-    (
-        "exit with status 65",
-        "raise the exception for malformed files",
-    ),
-    (
-        "exits with status 65",
-        "raises the exception for malformed files",
-    ),
-    (
-        "exits with status 69",
-        "raises the exception for unsupported files",
-    ),
-    ("exits with 65", "raises the exception for malformed files"),
-    (
-        "exits with 69 (unsupported)",
-        "raises the exception for unsupported files",
-    ),
-    (
-        "exits with 69",
-        "raises the exception for unsupported files",
-    ),
-    ("exit with 65", "raise the exception for malformed files"),
-    ("exit with 69", "raise the exception for unsupported files"),
-    ("exit status 65", "the exception for malformed files"),
-    ("exit status 69", "the exception for unsupported files"),
-    ("last line of its standard error", "its message"),
-    ("on standard error", "as a message"),
-    ("standard error", "message"),
-];
-
-/// Returns a text about a function instead of a program.
+/// Returns a text about a function instead of a program: it raises exceptions instead of exiting with a status.
 #[must_use]
 pub fn for_functions(text: &str) -> String {
-    let replace = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
-    FOR_FUNCTIONS.iter().fold(text.to_owned(), replace)
+    let mut text = text.to_owned();
+    for (status, kind) in [("65", "malformed"), ("69", "unsupported")] {
+        let exception = format!("the exception for {kind} files");
+        for (exit, raise) in [("exits", "raises"), ("exit", "raise")] {
+            for words in [
+                format!("status {status}"),
+                format!("{status} ({kind})"),
+                status.to_owned(),
+            ] {
+                text = text.replace(
+                    &format!("{exit} with {words}"),
+                    &format!("{raise} {exception}"),
+                );
+            }
+        }
+        text = text.replace(&format!("exit status {status}"), &exception);
+    }
+    text.replace("last line of its standard error", "its message")
+        .replace("on standard error", "as a message")
+        .replace("standard error", "message")
 }
 
 /// Advice for a program that is called through `check-writer --cmd` and is not a writer.
@@ -135,5 +112,36 @@ pub fn call_instructions(suite: SuiteName, command: &str) -> String {
         SuiteName::Ptm => format!(
             "Usage of a decoder: DECODER VIEW FILE\nExample: {command} raw x.ptm\nFor raw, it prints \"PTM1 raw WIDTH HEIGHT CHANNELS u8\", a line feed and the samples; see docs/protocol.md.\nTo find the fault step by step, run: ptm-conform probe DECODER"
         ),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::for_functions;
+
+    #[test]
+    fn functions_raise_exceptions() {
+        for (program, function) in [
+            (
+                "refuse these files with exit status 65",
+                "refuse these files with the exception for malformed files",
+            ),
+            (
+                "read these legal files, or exit with 69 for all",
+                "read these legal files, or raise the exception for unsupported files for all",
+            ),
+            (
+                "it exits with 69 (unsupported) on files",
+                "it raises the exception for unsupported files on files",
+            ),
+            (
+                "exit with status 65",
+                "raise the exception for malformed files",
+            ),
+            ("last line of its standard error: bad", "its message: bad"),
+            ("the width is 65", "the width is 65"),
+        ] {
+            assert_eq!(for_functions(program), function);
+        }
     }
 }

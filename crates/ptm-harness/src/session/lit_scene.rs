@@ -11,7 +11,6 @@ use ptm::decode::decode;
 use ptm::evaluate::{Coefficients, polynomial};
 use ptm::{Coding, Format, Ptm, Shape, Size};
 use ptm_generate::plan::{Residuals, Structure};
-
 use ptm_generate::{INVERSION, MOTION, Model, Recipe, spelling::Count, write};
 use ptm_suite::features::Feature;
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
@@ -190,7 +189,70 @@ impl SceneFile {
     /// Encodes the scene.
     #[must_use]
     pub fn bytes(&self) -> Vec<u8> {
-        encode(self)
+        let (format, map) = (self.format, ball(SIDE));
+        let mut recipe = Recipe::default_for(format, map.size);
+        let written = |numbers: &[f64]| {
+            numbers
+                .iter()
+                .map(f64::to_string)
+                .collect::<Vec<_>>()
+                .join(" ")
+        };
+        recipe.scale = written(&SCALE).parse().expect("numbers");
+        recipe.bias = written(&BIAS).parse().expect("numbers");
+        recipe.spelling.count = self.count;
+        recipe.compression.residuals = Residuals::Natural;
+        if format.coding() == Some(Coding::Jpeg) {
+            recipe.compression.parameter = 95;
+        }
+        if self.is_predicted {
+            let plan = &mut recipe.compression;
+            plan.set_structure(Structure::Upward);
+            // Lossy residuals allow no displacement (motion-half).
+            let transforms = match plan.coding {
+                Coding::Jpeg => [INVERSION, 0, INVERSION],
+                Coding::JpegLs => [INVERSION, MOTION, INVERSION | MOTION],
+            };
+            plan.transforms = plan.cycle(&transforms, false);
+            if plan.coding == Coding::JpegLs {
+                (plan.motion_x, plan.motion_y) =
+                    (plan.cycle(&[9, -7], false), plan.cycle(&[-5, 6], false));
+            }
+        }
+        recipe.matrix = written(&MATRIX).parse().expect("numbers");
+        let stored = |channel: usize, coefficient: f64| {
+            (coefficient / SCALE[channel] + BIAS[channel]).round() as u8
+        };
+        let mut samples: Vec<u8> = Vec::new();
+        for texel in map.values.chunks_exact(9) {
+            let (coefficients, color) = texel.split_first_chunk::<6>().expect("nine values");
+            let by_channel =
+                |color: f64| (0..6).map(move |i| stored(i, coefficients[i] * color / 255.0));
+            match format.channels() {
+                18 => samples.extend(color.iter().flat_map(|&color| by_channel(color))),
+                8 => {
+                    // The luminance of LUM is the green value under the light of the scene; Cr and Cb are the excess of red and blue
+                    // over green, minus the translation of the matrix, divided by its element. LUM has fewer colors than other formats,
+                    // because the excess cannot be negative.
+                    let light =
+                        polynomial(coefficients, LIGHT.0, LIGHT.1).clamp(0.0, 255.0) / 255.0;
+                    let tint = |more: f64, element: f64, translation: f64| {
+                        ((more.max(0.0) * light - translation) / element).round() as u8
+                    };
+                    samples.extend(by_channel(color[1]));
+                    samples.extend([
+                        tint(color[0] - color[1], MATRIX[4], MATRIX[12]),
+                        tint(color[2] - color[1], MATRIX[10], MATRIX[14]),
+                    ]);
+                }
+                _ => {
+                    samples.extend(by_channel(255.0));
+                    samples.extend(color.iter().map(|&color| color as u8));
+                }
+            }
+        }
+        let model = Model::new(&recipe, &samples).expect("no table is needed");
+        write(&recipe, &model).bytes
     }
 
     /// Returns the format, and that planes are predicted if they are.
@@ -205,80 +267,16 @@ impl SceneFile {
     }
 }
 
-fn encode(file: &SceneFile) -> Vec<u8> {
-    let (format, map) = (file.format, ball(SIDE));
-    let mut recipe = Recipe::default_for(format, map.size);
-    recipe.scale = SCALE
-        .map(|scale| scale.to_string())
-        .join(" ")
-        .parse()
-        .expect("numbers");
-    recipe.bias = BIAS
-        .map(|bias| bias.to_string())
-        .join(" ")
-        .parse()
-        .expect("numbers");
-    recipe.spelling.count = file.count;
-    recipe.compression.residuals = Residuals::Natural;
-    if format.coding() == Some(Coding::Jpeg) {
-        recipe.compression.parameter = 95;
-    }
-    if file.is_predicted {
-        let plan = &mut recipe.compression;
-        plan.set_structure(Structure::Upward);
-        // Lossy residuals allow no displacement (motion-half).
-        let transforms = match plan.coding {
-            Coding::Jpeg => [INVERSION, 0, INVERSION],
-            Coding::JpegLs => [INVERSION, MOTION, INVERSION | MOTION],
-        };
-        plan.transforms = plan.cycle(&transforms, false);
-        if plan.coding == Coding::JpegLs {
-            (plan.motion_x, plan.motion_y) =
-                (plan.cycle(&[9, -7], false), plan.cycle(&[-5, 6], false));
-        }
-    }
-    recipe.matrix = "1 1 1 0 0.75 0 0 0 0 0 0.75 0 -30 0 -20 1"
-        .parse()
-        .expect("numbers");
-    let stored = |channel: usize, coefficient: f64| {
-        (coefficient / SCALE[channel] + BIAS[channel]).round() as u8
-    };
-    let mut samples: Vec<u8> = Vec::new();
-    for texel in map.values.chunks_exact(9) {
-        let (coefficients, color) = texel.split_first_chunk::<6>().expect("nine values");
-        let by_channel =
-            |color: f64| (0..6).map(move |i| stored(i, coefficients[i] * color / 255.0));
-        match format.channels() {
-            18 => samples.extend(color.iter().flat_map(|&color| by_channel(color))),
-            8 => {
-                // The luminance of LUM is the green value under the light of the scene; Cr and Cb are the excess of red and blue
-                // over green, minus the translation of the matrix, divided by its element. LUM has fewer colors than other formats,
-                // because the excess cannot be negative.
-                let light = polynomial(coefficients, LIGHT.0, LIGHT.1).clamp(0.0, 255.0) / 255.0;
-                let tint = |more: f64, translation: f64| {
-                    ((more.max(0.0) * light - translation) / 0.75).round() as u8
-                };
-                samples.extend(by_channel(color[1]));
-                samples.extend([
-                    tint(color[0] - color[1], -30.0),
-                    tint(color[2] - color[1], -20.0),
-                ]);
-            }
-            _ => {
-                samples.extend(by_channel(255.0));
-                samples.extend(color.iter().map(|&color| color as u8));
-            }
-        }
-    }
-    let model = Model::new(&recipe, &samples).expect("no table is needed");
-    write(&recipe, &model).bytes
-}
-
 /// Scales of the coefficients. No two adjacent ones are equal.
 const SCALE: [f64; 6] = [2.0, 2.25, 2.0, 2.5, 2.75, 2.25];
 
 /// Biases of the coefficients.
 const BIAS: [f64; 6] = [140.0, 120.0, 128.0, 125.0, 131.0, 20.0];
+
+/// Color matrix of LUM: luminance plus Cr in red, luminance in green, and luminance plus Cb in blue, with translations.
+const MATRIX: [f64; 16] = [
+    1.0, 1.0, 1.0, 0.0, 0.75, 0.0, 0.0, 0.0, 0.0, 0.0, 0.75, 0.0, -30.0, 0.0, -20.0, 1.0,
+];
 
 /// Returns the coefficients of the scene: four colored corners, and a checkered ball. Its luminance is that of a matte and glossy
 /// surface: a sum of the dot product of the normal and the light, and of the square of this product.

@@ -40,12 +40,9 @@ pub struct RunPlan {
     /// Flag that is set when the user ends the run.
     #[serde(skip)]
     pub stop: Arc<AtomicBool>,
-    /// True if the run ends after the first failure.
+    /// Flag that is set at the first failure, if the run ends then.
     #[serde(skip)]
-    pub fail_fast: bool,
-    /// Flag that is set at the first failure.
-    #[serde(skip)]
-    pub has_failure: Arc<AtomicBool>,
+    pub fail_fast: Option<Arc<AtomicBool>>,
 }
 
 /// Selection of cases that are repeated in a new process to find nondeterminism.
@@ -94,7 +91,15 @@ impl RunPlan {
 
     /// Returns true if the run ends because of a failure.
     pub(super) fn ends_after_failure(&self) -> bool {
-        self.fail_fast && self.has_failure.load(Ordering::Relaxed)
+        let failed = self.fail_fast.as_ref();
+        failed.is_some_and(|failed| failed.load(Ordering::Relaxed))
+    }
+
+    /// Ends the run because of a failure, if it ends after the first one.
+    pub(crate) fn note_failure(&self) {
+        if let Some(failed) = &self.fail_fast {
+            failed.store(true, Ordering::Relaxed);
+        }
     }
 
     /// Returns true if a request that exceeded the time limit may be repeated alone.

@@ -19,14 +19,15 @@ const SMOKE_LISTS: &str = ptm_spec_cases::SMOKE;
 /// Name of the list for decoders that read all formats.
 const ALL: &str = "all";
 
-/// Returns the ids of the cases for a decoder that reads these formats.
+/// Returns the ids of the cases for a decoder that reads these formats, or all formats if none is named.
 ///
 /// # Errors
 /// Returns a message that names the offending line.
 pub fn ids(formats: &[Format]) -> Result<Vec<String>, String> {
     let mut lists: BTreeMap<String, Vec<String>> =
         from_yaml(SMOKE_LISTS).map_err(|error| format!("smoke.yaml: {error}"))?;
-    let names: Vec<&str> = match Format::ALL.iter().all(|format| formats.contains(format)) {
+    let is_read = |format| formats.contains(format);
+    let names: Vec<&str> = match formats.is_empty() || Format::ALL.iter().all(is_read) {
         true => vec![ALL],
         false => formats.iter().map(|format| format.short_name()).collect(),
     };
@@ -34,7 +35,8 @@ pub fn ids(formats: &[Format]) -> Result<Vec<String>, String> {
     Ok(lists.flatten().collect())
 }
 
-/// Returns one flag per case: true if the case is in the subset for a decoder that reads these formats.
+/// Returns one flag per case: true if the case is in the subset for a decoder that reads these formats, or all formats if none is
+/// named.
 ///
 /// # Errors
 /// Returns an error if the list names an unknown case.

@@ -28,39 +28,63 @@ const DIRECTORIES: [u16; 3] = [330, 34665, 34853];
 /// Number of colors in the palette of an image with 8 bits per texel.
 const PALETTE_COLORS: usize = 256;
 
-/// The first directory of a TIFF.
-pub(super) struct Directory {
-    entries: Vec<(u16, Vec<usize>)>,
-    /// The offset of the color space.
-    photometric_at: usize,
+/// Maximum number of further directories that are read, so that a file with many of them takes no time.
+const MAX_DIRECTORIES: usize = 16;
+
+/// The first directory of a TIFF. Values are read when they are needed, so that a file whose entries overlap takes no memory.
+pub(super) struct Directory<'a> {
+    numbers: Numbers<'a>,
+    entries: Vec<Entry>,
     /// The offset of the next page, or 0.
     next: usize,
     /// The end of the last part of the file that the directory refers to.
     end: usize,
 }
 
-impl Directory {
+/// An entry of a directory.
+struct Entry {
+    tag: u16,
+    /// Size of each value in bytes.
+    length: usize,
+    count: usize,
+    /// Offset of the first value.
+    place: usize,
+}
+
+impl<'a> Directory<'a> {
     /// Reads the first directory. Returns `None` if the file is damaged, which the decoder describes.
-    pub fn read(bytes: &[u8]) -> Option<Directory> {
+    pub fn read(bytes: &'a [u8]) -> Option<Directory<'a>> {
         let numbers = Numbers::new(bytes)?;
         let mut directory = numbers.directory(numbers.at(4, 4)?)?;
-        for tag in DIRECTORIES {
-            for offset in directory.values(tag).to_vec() {
-                directory.end = directory.end.max(numbers.directory(offset)?.end);
-            }
-        }
+        let further = DIRECTORIES.iter().flat_map(|&tag| directory.values(tag));
+        let further = further
+            .take(MAX_DIRECTORIES)
+            .map(|offset| Some(numbers.directory(offset)?.end));
+        let ends = further.collect::<Option<Vec<usize>>>()?;
+        directory.end = ends.into_iter().fold(directory.end, usize::max);
         Some(directory)
     }
 
-    fn values(&self, tag: u16) -> &[usize] {
+    fn entry(&self, tag: u16) -> Option<&Entry> {
+        // Fractions and 64-bit numbers are not needed.
         let mut entries = self.entries.iter();
-        entries
-            .find(|entry| entry.0 == tag)
-            .map_or(&[], |entry| &entry.1)
+        entries.find(|entry| entry.tag == tag && entry.length <= 4)
+    }
+
+    /// Returns the values of a tag, as far as the file contains them.
+    fn values(&self, tag: u16) -> impl Iterator<Item = usize> {
+        let entry = self.entry(tag).into_iter();
+        entry.flat_map(|entry| {
+            let value = |i| {
+                self.numbers
+                    .at(entry.place + i * entry.length, entry.length)
+            };
+            (0..entry.count).map_while(value)
+        })
     }
 
     fn value(&self, tag: u16, default: usize) -> usize {
-        self.values(tag).first().copied().unwrap_or(default)
+        self.values(tag).next().unwrap_or(default)
     }
 
     /// Returns true if the texels are indices of a palette.
@@ -135,13 +159,19 @@ impl Directory {
         // The `tiff` crate decodes the indices only as levels of gray.
         let mut gray = bytes.to_vec();
         let level = if bytes[0] == b'M' { [0, 1] } else { [1, 0] };
-        gray[self.photometric_at..self.photometric_at + 2].copy_from_slice(&level);
+        let place = self.entry(PHOTOMETRIC).map_or(0, |entry| entry.place);
+        if let Some(color_space) = gray.get_mut(place..place + 2) {
+            color_space.copy_from_slice(&level);
+        }
         let to_text = |error: tiff::TiffError| error.to_string();
         let mut decoder = Decoder::new(Cursor::new(gray)).map_err(to_text)?;
         let DecodingResult::U8(indices) = decoder.read_image().map_err(to_text)? else {
             return Error::invalid("the indices of the palette are not bytes");
         };
-        let palette = self.values(COLOR_MAP);
+        let palette: Vec<usize> = self
+            .values(COLOR_MAP)
+            .take(3 * PALETTE_COLORS + 1)
+            .collect();
         if palette.len() != 3 * PALETTE_COLORS {
             return Error::invalid(format!(
                 "the palette has {} numbers instead of 768",
@@ -156,6 +186,7 @@ impl Directory {
 }
 
 /// The numbers of a TIFF, in its byte order.
+#[derive(Clone, Copy)]
 struct Numbers<'a> {
     bytes: &'a [u8],
     is_big_endian: bool,
@@ -184,11 +215,11 @@ impl<'a> Numbers<'a> {
         })
     }
 
-    fn directory(&self, start: usize) -> Option<Directory> {
+    fn directory(self, start: usize) -> Option<Directory<'a>> {
         let count = self.at(start, 2)?;
         let mut directory = Directory {
+            numbers: self,
             entries: Vec::new(),
-            photometric_at: 0,
             next: self.at(start + 2 + 12 * count, 4)?,
             end: start + 2 + 12 * count + 4,
         };
@@ -199,9 +230,6 @@ impl<'a> Numbers<'a> {
                 self.at(at + 2, 2)?,
                 self.at(at + 4, 4)?,
             );
-            if tag == PHOTOMETRIC {
-                directory.photometric_at = at + 8;
-            }
             let length = match kind {
                 1 | 2 | 6 | 7 => 1,
                 3 | 8 => 2,
@@ -218,22 +246,18 @@ impl<'a> Numbers<'a> {
             if size > 4 {
                 directory.end = directory.end.max(place + size);
             }
-            // Fractions and floating-point numbers are not needed.
-            if length <= 4 && place + size <= self.bytes.len() {
-                let values = (0..count).map(|i| self.at(place + i * length, length));
-                directory
-                    .entries
-                    .push((tag, values.collect::<Option<_>>()?));
-            }
+            directory.entries.push(Entry {
+                tag,
+                length,
+                count,
+                place,
+            });
         }
         for (offsets, counts) in [
             (STRIP_OFFSETS, STRIP_BYTE_COUNTS),
             (TILE_OFFSETS, TILE_BYTE_COUNTS),
         ] {
-            let parts = directory
-                .values(offsets)
-                .iter()
-                .zip(directory.values(counts));
+            let parts = directory.values(offsets).zip(directory.values(counts));
             let end = parts.map(|(offset, count)| offset + count).max();
             directory.end = directory.end.max(end.unwrap_or_default());
         }
@@ -339,5 +363,21 @@ mod tests {
             let error = result(&file).expect_err(says);
             assert!(error.contains(says), "{error}, expected {says}");
         }
+    }
+
+    /// The values of all entries together are two hundred times as large as the file.
+    #[test]
+    fn overlapping_entries_are_not_copied() {
+        let (count, values) = (1000_u16, 500_u32);
+        let mut file = b"II*\0\x08\0\0\0".to_vec();
+        file.extend(count.to_le_bytes());
+        for tag in 1000..1000 + count {
+            file.extend([tag.to_le_bytes(), 4_u16.to_le_bytes()].concat());
+            file.extend([values, 8].map(u32::to_le_bytes).concat());
+        }
+        file.extend([0; 4]);
+        let directory = super::Directory::read(&file).expect("a directory");
+        assert_eq!(directory.entries.len(), usize::from(count));
+        assert_eq!(directory.values(1000).count(), values as usize);
     }
 }

@@ -71,9 +71,7 @@ impl Sample {
 
     /// Returns a map in every spelling of its format, the default spelling first.
     pub(super) fn samples_in_all_spellings(format: Format) -> impl Iterator<Item = Sample> {
-        let spellings = if format.has_table() { 6 } else { 1 };
-        let spellings = TableSpelling::all().take(spellings);
-        spellings.map(move |spelling| Sample::new(format, "5x3", spelling))
+        TableSpelling::of(format).map(move |spelling| Sample::new(format, "5x3", spelling))
     }
 
     pub(super) fn expected(&self, view: &View) -> Expected {
