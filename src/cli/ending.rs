@@ -14,7 +14,6 @@ use crate::report::html::{self, Evidence};
 use crate::report::{github, junit, text};
 use ptm_harness::pipeline::times::Times;
 use ptm_harness::report::suite_texts::SuiteTexts;
-use ptm_harness::report::words::{CALLER_COMMAND, for_functions};
 use ptm_harness::report::{Report, baseline::Baseline, document::BaselineComparison};
 use ptm_harness::session::run::Ending;
 use ptm_suite::{cases::Suite, test_case::Listed};
@@ -129,10 +128,7 @@ impl<'a> ReportWriter<'a> {
             print_error(&format!("ptm-conform: {why}"));
         }
         let text = text::report_to_text(&report, &self.texts, self.args.show);
-        let text = match report.decoder.command == CALLER_COMMAND {
-            true => for_functions(&text),
-            false => text,
-        };
+        let text = report.in_words_for_decoder(&text);
         // A GitHub runner would interpret some output of a decoder as commands.
         print_styled(&match self.args.github {
             true => github::quote_commands(&text),

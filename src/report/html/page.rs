@@ -183,7 +183,7 @@ fn dialect(report: &Report, rulings: &[Ruling]) -> Markup {
             }
             ul.features {
                 @for feature in &report.decoder.decodes { li { span.mark { (mark(Outcome::Pass)) } " " (feature) } }
-                @for feature in &report.decoder.unsupported { li.absent { span.mark { (mark(Outcome::Unsupported)) } " " (feature) " " small { "unsupported (exit status 69)" } } }
+                @for feature in &report.decoder.unsupported { li.absent { span.mark { (mark(Outcome::Unsupported)) } " " (feature) " " small { (report.in_words_for_decoder("unsupported (exit status 69)")) } } }
             }
             @if let Some(text) = not_asked_text(report) { p.quiet { (text) } }
             p.quiet { "Views offered: " (report.decoder.views.join(", ")) }

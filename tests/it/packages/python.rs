@@ -120,7 +120,7 @@ fn mistakes_of_a_function_have_separate_messages() {
         return;
     }
     let script = r#"
-import sys
+import pathlib, sys, tempfile
 sys.path.insert(0, sys.argv[1])
 import numpy, ptm_conform
 options = ["--case", "hand-*", "--case", "width-zero-lrgb"]
@@ -144,6 +144,17 @@ for kind in (Exception, (KeyError, BaseException)):
         assert "nearly every error" in str(what), what
 report = ptm_conform.check_callable(ptm_conform.decode, options=options)
 print(report.passed, sorted({case.outcome for case in report.cases.values()}))
+class Unsupported(Exception):
+    pass
+def gray_only(file):
+    if b"_LUM\n" not in file[:40]:
+        raise Unsupported("only PTM_FORMAT_LUM")
+    return ptm_conform.decode(file)
+with tempfile.TemporaryDirectory() as folder:
+    page = pathlib.Path(folder, "report.html")
+    ptm_conform.check_callable(gray_only, unsupported=Unsupported, options=["--case", "hand-*", "--html", str(page)])
+    html = page.read_text("utf-8")
+    print("status" if "exit status 69" in html else "unsupported (the exception for unsupported files)" in html)
 def interrupted(file):
     raise KeyboardInterrupt
 try:
@@ -161,6 +172,7 @@ except KeyboardInterrupt:
         "and counts as a crash; if it means a file that is malformed, pass malformed=KeyError",
         "refused as it raises the exception for unsupported files",
         "True ['pass'",
+        "\nTrue\n",
     ] {
         assert_contains(&text, part);
     }

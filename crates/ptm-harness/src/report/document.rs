@@ -269,6 +269,15 @@ impl Report {
         cases.filter(move |case| case.outcome == outcome)
     }
 
+    /// Returns a text about the decoder; if the decoder is a function, with the words for functions instead of programs.
+    #[must_use]
+    pub fn in_words_for_decoder(&self, text: &str) -> String {
+        match self.decoder.command == CALLER_COMMAND {
+            true => for_functions(text),
+            false => text.to_owned(),
+        }
+    }
+
     /// If the decoder is a function, replaces words about programs in all texts.
     pub fn speak_of_functions(&mut self) {
         if self.decoder.command != CALLER_COMMAND {

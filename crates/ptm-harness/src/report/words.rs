@@ -56,8 +56,7 @@ pub fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
 pub const CALLER_COMMAND: &str = "a function of the caller";
 
 /// Returns a text about a function instead of a program: it raises exceptions instead of exiting with a status.
-#[must_use]
-pub fn for_functions(text: &str) -> String {
+pub(super) fn for_functions(text: &str) -> String {
     let mut text = text.to_owned();
     for (status, kind) in [("65", "malformed"), ("69", "unsupported")] {
         let exception = format!("the exception for {kind} files");
