@@ -90,3 +90,18 @@ pub fn quote_command(command: &[OsString]) -> String {
     let words: Vec<_> = command.iter().map(|word| word.to_string_lossy()).collect();
     shlex::try_join(words.iter().map(AsRef::as_ref)).unwrap_or_default()
 }
+
+/// Returns a corrected command line if options of this command, whose arguments are `A`, follow the program under test.
+pub fn reordered_command<A: Args>(name: &str, program: &[OsString]) -> Option<String> {
+    let options = A::augment_args(clap::Command::new("options"));
+    let is_option = |word: &&OsString| {
+        let word = word.to_string_lossy();
+        let name = word.strip_prefix("--").map(|word| word.split('=').next());
+        let mut known = options.get_arguments().map(clap::Arg::get_long);
+        name.is_some_and(|name| known.any(|long| long.is_some() && long == name))
+    };
+    let first = program.iter().position(|word| is_option(&word))?;
+    let (program, misplaced) = program.split_at(first);
+    let words = [misplaced, &["--".into()], program].concat();
+    Some(format!("ptm-conform {name} {}", quote_command(&words)))
+}

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::calls::{StopFlag, quote_command};
+use super::calls::{StopFlag, quote_command, reordered_command};
 use super::check_args::{CheckArgs, DecoderSuite};
 use super::display::Display;
 use super::ending::ReportWriter;
@@ -123,7 +123,7 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
         asks_all: args.all || precomputed || args.shard.is_some(),
         ..Check::new(&suite, &plan)
     };
-    let advice = args.reordered_command();
+    let advice = reordered_command::<CheckArgs>("check", &args.decoder);
     let advice = advice.map(|command| format!("options come before the decoder: {command}"));
     let subject: Box<dyn Subject> = match &decoder.answers {
         Answers::Precomputed(outputs) => Box::new(outputs),

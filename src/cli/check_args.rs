@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 
 use super::arguments::{id_filter, is_at_or_below, parse_format, parse_refusal, view_parser};
-use super::calls::{RunArgs, quote_command};
+use super::calls::RunArgs;
 use super::{CommandError, EXIT_NOTHING_SELECTED};
 use super::{ending::OutputArgs, names::did_you_mean};
 use ptm::Format;
@@ -131,21 +131,6 @@ impl CheckArgs {
             return Err(says.to_owned());
         }
         Ok(())
-    }
-
-    /// Returns a corrected command line if options of `check` follow the decoder.
-    pub fn reordered_command(&self) -> Option<String> {
-        let options = CheckArgs::augment_args(clap::Command::new("check"));
-        let is_option = |word: &&OsString| {
-            let word = word.to_string_lossy();
-            let name = word.strip_prefix("--").map(|word| word.split('=').next());
-            let mut known = options.get_arguments().map(clap::Arg::get_long);
-            name.is_some_and(|name| known.any(|long| long.is_some() && long == name))
-        };
-        let first = self.decoder.iter().position(|word| is_option(&word))?;
-        let (decoder, misplaced) = self.decoder.split_at(first);
-        let words = [misplaced, &["--".into()], decoder].concat();
-        Some(format!("ptm-conform check {}", quote_command(&words)))
     }
 
     /// Returns one flag per case: true if the case is in the subset, matches the patterns, the formats and the clauses, and belongs to

@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
+use super::calls::{quote_command, reordered_command};
 use super::guard::{ScratchGuard, check_for_trouble};
 use super::terminal::print_styled;
-use super::{CommandResult, arguments::positive_seconds, calls::quote_command};
+use super::{CommandResult, arguments::positive_seconds};
 use ptm_harness::runner::{processes, run::Decoder};
 use ptm_harness::session::probe::{Reproduction, probe};
 
@@ -70,6 +71,9 @@ pub fn run(args: &ProbeArgs) -> CommandResult {
     };
     print_styled(&list.to_text(&repeat));
     print_styled(&next);
+    if let Some(command) = reordered_command::<ProbeArgs>("probe", &args.decoder) {
+        print_styled(&format!("options come before the program: {command}\n"));
+    }
     Ok(list.exit_status())
 }
 

@@ -1,4 +1,4 @@
-//! SVG badges that display three scores instead of one percentage.
+//! SVG badges that display scores instead of one percentage.
 
 use maud::html;
 
@@ -11,8 +11,8 @@ const LETTER_WIDTH: usize = 59;
 /// Margin to the left and right of each label, in pixels.
 const MARGIN: usize = 4;
 
-/// Renders a report as an SVG badge, 20 pixels high and at most 140 pixels wide. The badge contains the verdict and the
-/// correctness score; below them, three bars represent correctness, breadth and robustness. Its title lists all scores.
+/// Renders a report as an SVG badge, 20 pixels high and at most 250 pixels wide. The badge contains the verdict, the correctness
+/// score and, if the decoder lacks features, their breadth. Its title lists all scores.
 #[must_use]
 pub fn badge(report: &Report) -> String {
     let label = match report.suite {
@@ -23,23 +23,20 @@ pub fn badge(report: &Report) -> String {
     };
     let scores = &report.scores;
     let passed = report.verdict == Verdict::Pass;
-    let score_text = match (&report.reason, passed) {
-        (Some(_), _) => report.verdict.to_string(),
-        (None, true) => format!("✓ {}", scores.correctness),
-        (None, false) => format!("✗ {}", scores.correctness),
+    let Fraction { part, whole } = scores.breadth;
+    let mark = if passed { "✓" } else { "✗" };
+    let score_text = match &report.reason {
+        Some(_) => report.verdict.to_string(),
+        None if part < whole => {
+            format!("{mark} {}, {part} of {whole} features", scores.correctness)
+        }
+        None => format!("{mark} {}", scores.correctness),
     };
     let color = if passed { "#1d6b3f" } else { "#a8281c" };
     let width = |text: &str| text.chars().count() * LETTER_WIDTH / 10;
     let (left, right) = (width(label) + 2 * MARGIN, width(&score_text) + 2 * MARGIN);
     let command = &report.decoder.command;
     let title = format!("{command}: {}; {scores}", report.verdict);
-    let third = (right - 2 * MARGIN) as f64 / 3.0;
-    let share = |score: Fraction| score.part as f64 / score.whole.max(1) as f64;
-    let lines = [scores.correctness, scores.breadth, scores.robustness];
-    let lines = lines.into_iter().enumerate().map(|(i, score)| {
-        let from = (left + MARGIN) as f64 + third * i as f64;
-        (from, (third - 2.0) * share(score))
-    });
     let markup = html! {
         svg xmlns="http://www.w3.org/2000/svg" width=(left + right) height="20" role="img" aria-label=(title) {
             title { (title) }
@@ -47,10 +44,6 @@ pub fn badge(report: &Report) -> String {
             g clip-path="url(#round)" {
                 rect width=(left) height="20" fill="#3b4046" {}
                 rect x=(left) width=(right) height="20" fill=(color) {}
-                @for (from, length) in lines {
-                    rect x=(format!("{from:.1}")) y="17" width=(format!("{:.1}", third - 2.0)) height="2" fill="#fff" fill-opacity=".3" {}
-                    rect x=(format!("{from:.1}")) y="17" width=(format!("{length:.1}")) height="2" fill="#fff" {}
-                }
             }
             g fill="#fff" font-family="Verdana,DejaVu Sans,sans-serif" font-size="10" {
                 text x=(MARGIN) y="13" textLength=(width(label)) { (label) }

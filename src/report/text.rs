@@ -49,7 +49,7 @@ pub fn cases_to_text(
 /// Maximum number of failing clauses that are listed during a run.
 const MAX_FIRST_CLAUSES: usize = 12;
 
-/// Describes the verdicts on the first cases of a run, which test every clause.
+/// Describes the verdicts on the first cases of a run, which are chosen from all clauses.
 #[must_use]
 pub fn first_verdicts_to_text(first: &FirstVerdicts) -> String {
     let FirstVerdicts {
@@ -58,7 +58,7 @@ pub fn first_verdicts_to_text(first: &FirstVerdicts) -> String {
         failing_clauses,
     } = first;
     if *failed == 0 {
-        return format!("the first {judged} cases, which test every clause: none failed");
+        return format!("the first {judged} cases, chosen from all clauses: none failed");
     }
     let mut clauses: Vec<(&String, &usize)> = failing_clauses.iter().collect();
     clauses.sort_by_key(|(_, count)| Reverse(**count));
@@ -71,7 +71,7 @@ pub fn first_verdicts_to_text(first: &FirstVerdicts) -> String {
         more => format!(", and {more} more"),
     };
     format!(
-        "the first {judged} cases, which test every clause: {failed} failed, in clauses {}{more}",
+        "the first {judged} cases, chosen from all clauses: {failed} failed, in clauses {}{more}",
         listed.join(", ")
     )
 }

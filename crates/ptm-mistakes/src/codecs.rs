@@ -68,6 +68,8 @@ pub const CHANGES: Changes = |slug| {
                 decode_and_map(plane, |value| (u16::from(value) * 255).isqrt() as u8)
             };
         },
+        "jpeg-first-bytes-of-rgb" => |r| r.stream = |plane| decode_first_bytes(plane, 3),
+        "jpeg-first-bytes-of-rgba" => |r| r.stream = |plane| decode_first_bytes(plane, 4),
         "jpeg-linear-gray-to-srgb" => |r| r.stream = |plane| decode_and_map(plane, linear_to_srgb),
         "jpeg-low-bit-lost" => |r| r.stream = |plane| decode_and_map(plane, |value| value & 0xFE),
         // Optional features of streams
@@ -306,6 +308,20 @@ fn decode_with_padded_rows(plane: &PlaneStream, unit: usize) -> PlaneSamples {
     let padded = width.next_multiple_of(unit);
     let at = |i: usize| samples[i / padded * width + (i % padded).min(width - 1)];
     Ok((0..samples.len()).map(at).collect())
+}
+
+/// Decodes a plane. For JPEG streams, returns the first bytes of an image that has `channels` bytes per texel: the sample three
+/// times, and an opaque alpha.
+fn decode_first_bytes(plane: &PlaneStream, channels: usize) -> PlaneSamples {
+    let samples = planes::decode_stream(plane)?;
+    if plane.coding != Coding::Jpeg {
+        return Ok(samples);
+    }
+    let byte = |i: usize| match i % channels {
+        3 => 255,
+        _ => samples[i / channels],
+    };
+    Ok((0..samples.len()).map(byte).collect())
 }
 
 fn decode_unless(refused: bool, plane: &PlaneStream) -> PlaneSamples {

@@ -60,7 +60,7 @@ pub trait TestCase: Listed + Clone + Debug + Send + Sync + 'static {
     const CHOICES: Choices<Self::Decisions>;
     /// Message for an answer to a case that expects a refusal.
     const ACCEPTED_MESSAGE: &'static str = "accepted a file that must be refused";
-    /// Message for exit status 69 if other cases with the same features were answered.
+    /// Message for exit status 69 if, for each feature of the case, other cases with it were answered. The features follow it in parentheses.
     const UNSUPPORTED_MESSAGE: &'static str =
         "exited with 69 (unsupported), but decodes other files of this kind";
 

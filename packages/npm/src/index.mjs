@@ -29,7 +29,17 @@ export function refusal(error, { malformed, unsupported }) {
   return isMalformed ? "malformed" : isUnsupported ? "unsupported" : null;
 }
 
-/** Returns the result of the decoder for a file: an image, "malformed", "unsupported", or the error. */
+/** Describes an error: its class, its message and the line that threw it. A class that is not built in may be a refusal. */
+export function describeError(error, { isDeclared = true } = {}) {
+  if (!(error instanceof Error)) return String(error);
+  const name = error.constructor.name || error.name;
+  const place = /\n\s+at .*?([^/\\(]+:\d+):\d+\)?/.exec(error.stack ?? "");
+  const text = `${name}: ${error.message}` + (place ? ` (${place[1]})` : "");
+  const isBuiltIn = globalThis[name] === error.constructor;
+  return isDeclared || isBuiltIn ? text : `${text}\n${name} is declared neither as malformed nor as unsupported`;
+}
+
+/** Returns the result of the decoder for a file: an image, a refusal ("malformed" or "unsupported") with its message, or the error. */
 async function observe(decode, file, { malformed, unsupported }) {
   try {
     const image = await decode(file);
@@ -37,7 +47,8 @@ async function observe(decode, file, { malformed, unsupported }) {
     return fault ? { fault } : { image };
   } catch (error) {
     const refused = refusal(error, { malformed, unsupported });
-    return refused ? { refused } : { fault: `crash: ${error}` };
+    const why = describeError(error, { isDeclared: refused !== null });
+    return refused ? { refused, why } : { fault: `crash: ${why}` };
   }
 }
 
@@ -72,17 +83,16 @@ function difference(raw, image) {
 
 /** Returns the verdict on a case. `seen` contains the answer of the decoder to every file. */
 function judge(entry, seen) {
-  const { image, refused, fault } = seen.get(entry.id);
+  const { image, refused, why, fault } = seen.get(entry.id);
   if (fault) return ["fail", fault];
-  const twin = entry.twin && seen.get(entry.twin);
-  if (twin && !twin.image) return ["inconclusive", "the valid twin was not decoded"];
+  if (entry.twin && !seen.get(entry.twin)?.image) return ["inconclusive", "the valid twin was not decoded"];
   const wrong = image && entry.raw ? difference(entry.raw, image) : null;
   switch (entry.expect) {
     case "reject":
     case "refuse":
       if (image) return ["fail", "decoded a file that must be refused"];
       if (refused === "malformed" || entry.expect === "refuse") return ["pass", ""];
-      return ["fail", "answered unsupported to a malformed file"];
+      return ["fail", `answered unsupported to a malformed file: ${why}`];
     case "robust":
       return ["pass", ""];
     case "lenient":
@@ -92,7 +102,7 @@ function judge(entry, seen) {
       return wrong ? ["fail", wrong] : ["pass", ""];
     default:
       if (refused === "unsupported") return ["unsupported", ""];
-      if (refused) return ["fail", "refused a legal file"];
+      if (refused) return ["fail", `refused a legal file: ${why}`];
       if (wrong && entry.raw.shows) return ["not judged", `another reading of ${entry.raw.shows.join(", ")} may give this`];
       return wrong ? ["fail", wrong] : ["pass", ""];
   }
@@ -114,6 +124,10 @@ export async function run(cases, decode, { malformed = Malformed, unsupported = 
     const { id, clauses, because } = entry;
     return { id, outcome, says, clauses, because };
   });
+  if (![...seen.values()].some(({ image }) => image)) {
+    const says = "the decoder decodes no file; if it throws classes of its own, pass them as malformed and unsupported";
+    results.unshift({ id: "decodes-a-file", outcome: "fail", says, clauses: [], because: "A decoder decodes at least one file." });
+  }
   const failures = results.filter(({ outcome }) => outcome === "fail");
-  return { passed: failures.length === 0 && [...seen.values()].some(({ image }) => image), results, failures };
+  return { passed: failures.length === 0, results, failures };
 }

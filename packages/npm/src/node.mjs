@@ -7,7 +7,7 @@ import { createServer } from "node:net";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 
-import { Malformed, Unsupported, refusal, rejectCatchAll } from "./index.mjs";
+import { Malformed, Unsupported, describeError, refusal, rejectCatchAll } from "./index.mjs";
 
 export { Malformed, Unsupported };
 
@@ -38,18 +38,30 @@ export async function check(functions, { malformed = Malformed, unsupported = Un
   const decoders = typeof functions === "function" ? { raw: functions } : functions;
   const directory = mkdtempSync(join(tmpdir(), "ptm-"));
   const place = (name) => join(directory, name);
-  const server = createServer((socket) => answerAll(socket, (view, file) => answer(decoders, view, file, { malformed, unsupported })));
+  const crashes = new Map();
+  const server = createServer((socket) => answerAll(socket, (view, file) => answer(decoders, view, file, { malformed, unsupported, crashes })));
   try {
     await new Promise((resolve) => server.listen(place("socket"), resolve));
     const words = ["check", "--caller", place("socket"), "--report", place("report.yaml"), "--json", place("report.json"), ...options];
     const { status, text, errors } = await finished(spawn(program(), words, { stdio: ["ignore", "pipe", "pipe"] }));
     if (!existsSync(place("report.json"))) throw new Error(errors.trim() || `ptm-conform exited with ${status}`);
     const report = JSON.parse(readFileSync(place("report.json"), "utf8"));
-    return { status, text: text.replace(/^report: .*\n/m, ""), report };
+    return { status, text: advice(crashes, report) + text.replace(/^report: .*\n/m, ""), report };
   } finally {
     server.close();
     rmSync(directory, { recursive: true });
   }
+}
+
+/** Says how to declare the errors that were not caught. */
+function advice(crashes, report) {
+  const lines = [...crashes].sort(([, a], [, b]) => b - a).slice(0, 3).map(([name, count]) => {
+    const thrown = report.cases.filter(({ stderr = "" }) => stderr.startsWith(`${name}:`));
+    const legal = thrown.filter(({ expect }) => expect === "decode").length;
+    const means = 2 * legal > thrown.length ? "unsupported" : "malformed";
+    return `${name} was thrown ${count} times and counts as a crash; if it means a file that is ${means}, pass { ${means}: ${name} }\n`;
+  });
+  return lines.join("");
 }
 
 function finished(child) {
@@ -82,15 +94,18 @@ function answerAll(socket, answer) {
   });
 }
 
-async function answer(decoders, request, file, { malformed, unsupported }) {
+async function answer(decoders, request, file, { malformed, unsupported, crashes }) {
   const [view, light] = request.split(":");
   if (!decoders[view]) return ["unsupported", Buffer.alloc(0)];
   let image;
   try {
     image = await decoders[view](file, ...(light ? light.split(",").map(Number) : []));
   } catch (error) {
-    const word = { malformed: "reject", unsupported: "unsupported" }[refusal(error, { malformed, unsupported })] ?? "crash";
-    return [word, Buffer.from(String(error)).subarray(0, 4000)];
+    const refused = refusal(error, { malformed, unsupported });
+    const name = error?.constructor?.name ?? typeof error;
+    if (!refused) crashes.set(name, (crashes.get(name) ?? 0) + 1);
+    const word = { malformed: "reject", unsupported: "unsupported" }[refused] ?? "crash";
+    return [word, Buffer.from(describeError(error, { isDeclared: refused !== null })).subarray(-4000)];
   }
   const { width, height, channels, samples } = image ?? {};
   const [type, wanted] = view === "coef" ? ["f32", [Float32Array, Float64Array]] : ["u8", [Uint8Array, Uint8ClampedArray]];

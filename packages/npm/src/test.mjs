@@ -32,8 +32,22 @@ const turned = await run(all, upsideDown);
 const hand = turned.failures.find(({ id }) => id === "hand-rgb-blocks");
 assert.match(hand.says, /^texel \(0, 0\), first in channel 0: expected 24 25 26 .* received 16 17 18/);
 for (const decode of [() => { throw new Malformed(); }, () => { throw new Unsupported(); }, () => null, () => { throw new TypeError("lost"); }]) {
-  assert(!(await run(all, decode)).passed);
+  const { passed, failures } = await run(all, decode);
+  assert(!passed);
+  assert.equal(failures[0].id, "decodes-a-file");
 }
+
+// A message names the class and the line. Classes that are not declared are named with advice, and a case without its twin has no verdict.
+class Damaged extends Error {}
+const refuseAll = () => { throw new Damaged("no table"); };
+const refusing = await run(all, refuseAll, { malformed: Damaged });
+assert.match(refusing.results.find(({ id }) => id === "hand-lum").says, /^refused a legal file: Damaged: no table \(test\.mjs:\d+\)$/);
+const damaged = all.find(({ twin }) => twin);
+const alone = await run([damaged], correct);
+assert.equal(alone.results.find(({ id }) => id === damaged.id).outcome, "inconclusive");
+const undeclared = await check((file) => { try { return correct(file); } catch { return refuseAll(); } }, { options: ["--case", "hand-*", "--case", "width-*"] });
+assert.match(undeclared.text, /^Damaged was thrown \d+ times and counts as a crash; if it means a file that is malformed, pass \{ malformed: Damaged \}\n/);
+assert(undeclared.text.includes("Damaged is declared neither as malformed nor as unsupported"), undeclared.text);
 
 // Known failures, errors that belong to both classes, and classes that catch everything.
 const ids = turned.failures.map(({ id }) => id);

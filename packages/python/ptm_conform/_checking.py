@@ -11,6 +11,7 @@ import os
 import socket
 import subprocess
 import tempfile
+import traceback
 
 from ._program import Malformed, Unsupported, program
 
@@ -38,10 +39,12 @@ class Report:
 
     #: exit status of the program: 0 passed, 1 failed, 3 not a decoder
     status: int
-    #: output of the program: causes, examples and scores
+    #: advice, and the output of the program: causes, examples and scores
     text: str
     #: whole report, in the format of spec-cases/schema/report.schema.json
     data: dict
+    #: how to declare exceptions that counted as crashes, or an empty string
+    advice: str = ""
 
     @property
     def passed(self):
@@ -50,7 +53,7 @@ class Report:
 
     @property
     def causes(self):
-        """The misreadings that explain the failures, most important first."""
+        """The names of misreadings that explain failures, most important first; `data["diagnoses"]` has the other causes, too."""
         return [cause["misreading"] for cause in self.data["diagnoses"] if "misreading" in cause]
 
     @property
@@ -106,7 +109,9 @@ def check_callable(raw=None, *, coef=None, rgb=None, malformed=Malformed, unsupp
                 raise RuntimeError(errors.read().strip() or "ptm-conform exited with %d" % status)
         with open(paths["text"], encoding="utf-8") as text, open(paths["json"], "rb") as data:
             lines = [line for line in text if not line.startswith("report: ")]
-            return Report(status, "".join(lines) + answer.advice(), json.load(data))
+            data = json.load(data)
+            advice = answer.advice(data)
+            return Report(status, advice + "".join(lines), data, advice)
 
 
 def _serve(listener, run, answer):
@@ -134,7 +139,7 @@ class _Answer:
         self.functions = functions
         self.malformed = malformed
         self.unsupported = unsupported
-        #: uncaught exceptions by class
+        #: undeclared exceptions by class
         self.crashes = collections.Counter()
 
     def __call__(self, view, file):
@@ -148,19 +153,20 @@ class _Answer:
             malformed, unsupported = _specificity(what, self.malformed), _specificity(what, self.unsupported)
             if malformed == unsupported == 0:
                 self.crashes[type(what)] += 1
-                return b"crash", _message(what)
+                return b"crash", _message(what, is_declared=False)
             return (b"reject" if malformed >= unsupported else b"unsupported"), _message(what)
         try:
             return b"ok", _frame(name, value)
         except TypeError as what:
             return b"error", str(what).encode()
 
-
-    def advice(self):
+    def advice(self, report):
         """Says how to declare the exceptions that were not caught."""
         lines = []
         for kind, count in self.crashes.most_common(3):
-            means = "unsupported" if issubclass(kind, NotImplementedError) or "support" in kind.__name__.lower() else "malformed"
+            start = kind.__name__ + ":"
+            expected = [case["expect"] for case in report["cases"] if case.get("stderr", "").startswith(start)]
+            means = "unsupported" if 2 * expected.count("decode") > len(expected) else "malformed"
             lines.append("%s was raised %d times and counts as a crash; if it means a file that is %s, pass %s=%s\n" % (kind.__name__, count, means, means, kind.__name__))
         return "".join(lines)
 
@@ -174,8 +180,20 @@ def _specificity(what, classes):
     return max((len(kind.__mro__) for kind in _as_tuple(classes) if isinstance(what, kind)), default=0)
 
 
-def _message(what):
-    return ("%s: %s" % (type(what).__name__, what)).encode(errors="replace")[:4000]
+def _message(what, is_declared=True):
+    """Describes an exception. Undeclared exceptions of the same class have the same last line, because they have one cause."""
+    name = type(what).__name__
+    message = "%s: %s%s" % (name, what, _place(what))
+    if not is_declared and type(what).__module__ != "builtins":
+        message += "\n%s is declared neither as malformed nor as unsupported" % name
+    return message.encode(errors="replace")[-4000:]
+
+
+def _place(what):
+    """Returns the file and line at which the caller's code raised an exception or called what raised it."""
+    frames = traceback.extract_tb(what.__traceback__)[1:]
+    own = [frame for frame in frames if "-packages" not in frame.filename] or frames
+    return " (%s:%d)" % (os.path.basename(own[-1].filename), own[-1].lineno) if own else ""
 
 
 def _frame(view, value):

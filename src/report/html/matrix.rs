@@ -95,20 +95,26 @@ fn command_name(reports: &[Report], i: usize) -> Markup {
     }
 }
 
-/// Maximum number of causes displayed per report. The page of the report lists all of them.
-const MAX_CAUSES: usize = 4;
-
-/// Renders the first causes: the slug for misreadings in the catalog, and a description for other causes.
+/// Renders the first cause, and the others folded: the slug for misreadings in the catalog, and a description for other causes.
 fn cause_list(causes: &[LikelyCause]) -> Markup {
-    html! {
-        @for cause in causes.iter().take(MAX_CAUSES) {
+    let render = |cause: &LikelyCause| {
+        html! {
             @match &cause.misreading {
                 Some(slug) => code.cause { (slug) },
                 None => span.cause { (cause.effect) },
             }
             " "
         }
-        @if causes.len() > MAX_CAUSES { span.quiet { "and " (causes.len() - MAX_CAUSES) " more" } }
+    };
+    html! {
+        @match causes {
+            [] => {},
+            [only] => (render(only)),
+            [first, others @ ..] => {
+                (render(first))
+                details { summary.quiet { "and " (others.len()) " more" } @for cause in others { (render(cause)) } }
+            }
+        }
     }
 }
 

@@ -427,23 +427,32 @@ fn an_acceptance_with_another_image_does_not_look_the_same() {
     .assert_true();
 }
 
-/// The decoder takes missing bytes as 255.
-/// A decoder that reads all numbers as 0 shows the same image of a malformed file and of its legal twin.
+/// A decoder that reads all numbers as 0 shows the same image of a malformed file and of its legal twin, and the image of a decoder
+/// that cuts the fractions of scales below 1.
 #[test]
-fn a_decoder_that_shows_only_zeros_does_not_show_how_it_reads_a_bias() {
+fn a_decoder_that_shows_only_zeros_does_not_show_how_it_reads_a_number() {
     let zero = Edit::parse("final coefficient", "0").expect("a formula");
     let zero = formula_misreading(vec![zero]);
-    let cuts_fractions = misreading("bias-fraction-cut");
-    let report = printed_report(&cases(is_uncompressed), |request| {
-        answer_with(&[cuts_fractions, &zero], request)
-    });
-    report
-        .says(&["computes final coefficient i of polynomial c as 0"])
-        .says(&["accepts malformed files", "a bias is 128.5"])
-        .never_says("the decoder drops the fractional part")
-        .assert_true();
+    let mut reports = Vec::new();
+    for (slug, fault) in [
+        ("bias-fraction-cut", "a bias is 128.5"),
+        ("scale-to-the-point", "scale"),
+    ] {
+        let misreading = misreading(slug);
+        let report = printed_report(&cases(is_uncompressed), |request| {
+            answer_with(&[misreading, &zero], request)
+        });
+        let report = report
+            .says(&["computes final coefficient i of polynomial c as 0"])
+            .says(&["accepts malformed files", fault])
+            .never_says("the decoder drops the fractional part")
+            .never_says("the decoder reads only the digits");
+        reports.push(report);
+    }
+    assert_all_true(reports);
 }
 
+/// The decoder takes missing bytes as 255.
 #[test]
 fn padding_with_another_byte_does_not_look_the_same() {
     let has_plain_texels =

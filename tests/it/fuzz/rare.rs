@@ -199,7 +199,7 @@ proptest! {
         prop_assume!(draft.width * draft.height < 5000);
         let cases = draft.cases("drawn").map_err(TestCaseError::fail)?;
         let built = cases[0].build(TableSpelling::default());
-        let ptm = decode(&built.file).map_err(|error| TestCaseError::fail(format!("{error}: {}", draft.to_yaml("drawn", ""))))?;
+        let ptm = decode(&built.file).map_err(|error| TestCaseError::fail(format!("{error}: {}", draft.to_yaml("drawn", "", None))))?;
         prop_assert!(matches!(built.values, Values::Painted(_)));
         let expected = Expected::new(&built.values, &View::Raw).expect("painted");
         prop_assert!(expected.compare(&Frame::render(&ptm, &View::Raw)).is_none());

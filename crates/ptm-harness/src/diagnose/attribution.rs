@@ -88,11 +88,25 @@ fn is_founded(
         true => !are_refusals || others() <= explained.len(),
     };
     // Contradictions come last, because the search for them decodes large files.
-    rules::explains_most_of_what_it_changes(search, set, id, explained, left)
+    is_shown_by_own_failures(search, set, id, explained)
+        && rules::explains_most_of_what_it_changes(search, set, id, explained, left)
         && !refusals::is_part_of_a_larger_group(search.witnesses, explained)
         && !refusals::is_single_among_others(search.witnesses, explained, left)
         && covers_its_kind()
         && !search.is_contradicted_anywhere(&without_id(set, id), id)
+}
+
+/// Returns false if the mistake is shown only by failures that another mistake reproduces, too.
+fn is_shown_by_own_failures(
+    search: &Search,
+    set: &MistakeSet,
+    id: MistakeId,
+    explained: &[usize],
+) -> bool {
+    let others = without_id(set, id);
+    let is_own = |w: &usize| others.iter().all(|&other| !search.explains(*w, &[other]));
+    let own: Vec<usize> = explained.iter().copied().filter(is_own).collect();
+    !is_shown(search, set, id, explained) || is_shown(search, set, id, &own)
 }
 
 /// Returns true if the responses show how the decoder computes. An edit always reproduces images.

@@ -29,7 +29,11 @@ pub(super) enum FailureMode {
 impl PartialEq for FailureMode {
     fn eq(&self, other: &FailureMode) -> bool {
         match (self, other) {
-            (FailureMode::Crashes(a), FailureMode::Crashes(b)) => a == b,
+            // The messages of an exception may differ in numbers, but exit statuses are different crashes.
+            (FailureMode::Crashes(a), FailureMode::Crashes(b)) => {
+                let is_exception = |details: &String| ProcessEnd::parse(details).is_none();
+                a == b || is_exception(a) && is_exception(b) && message_form(a) == message_form(b)
+            }
             // Similar errors differ in numbers and names.
             (FailureMode::MalformedFrame(a), FailureMode::MalformedFrame(b)) => {
                 generalize(a) == generalize(b)
@@ -66,6 +70,7 @@ impl FailureMode {
                 *lowest = limit.min(*lowest);
             }
             (FailureMode::MalformedFrame(error), FailureMode::MalformedFrame(other))
+            | (FailureMode::Crashes(error), FailureMode::Crashes(other))
                 if *error != other && !error.starts_with(FOR_EXAMPLE) =>
             {
                 error.insert_str(0, FOR_EXAMPLE);
@@ -111,7 +116,7 @@ impl FailureMode {
     }
 }
 
-/// Prefix of the error in one of several malformed frames.
+/// Prefix of the error in one of several malformed frames, or of one of several exceptions.
 const FOR_EXAMPLE: &str = "for example, ";
 
 /// Returns the form of the last message on standard error, or an empty string if there is none. Messages with the same form differ
@@ -119,6 +124,7 @@ const FOR_EXAMPLE: &str = "for example, ";
 pub(super) fn message_form(stderr: &str) -> String {
     let message = last_message(stderr).unwrap_or_default();
     let unquoted = message
+        .trim_start_matches(FOR_EXAMPLE)
         .split(['"', '\'', '`'])
         .step_by(2)
         .collect::<Vec<_>>();

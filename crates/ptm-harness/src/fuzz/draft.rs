@@ -309,14 +309,14 @@ impl Draft {
     /// # Errors
     /// Returns the reason why the file cannot be written.
     pub fn cases(&self, id: &str) -> std::result::Result<Vec<Case>, String> {
-        let suite = Suite::from_files(&[(id, &self.to_yaml(id, "randomly generated"))])?;
+        let suite = Suite::from_files(&[(id, &self.to_yaml(id, "randomly generated", None))])?;
         Ok(suite.cases)
     }
 
-    /// Formats the case as in `spec-cases/`.
+    /// Formats the case as in `spec-cases/`, about the misread clause or, if it is unknown, about the data of the format.
     #[must_use]
-    pub fn to_yaml(&self, id: &str, because: &str) -> String {
-        let clause = payload_clause(self.format);
+    pub fn to_yaml(&self, id: &str, because: &str, misread: Option<&str>) -> String {
+        let clause = misread.unwrap_or(payload_clause(self.format));
         let legal_id = match self.damage {
             Some(_) => format!("{id}-whole"),
             None => id.to_owned(),

@@ -21,7 +21,7 @@ pub fn minimize(
 /// Returns the sizes of the file and of its description, in bytes.
 fn weight(draft: &Draft, table: TableSpelling) -> Option<(usize, usize)> {
     let case = draft.cases("draft").ok()?.pop()?;
-    let description = draft.to_yaml("", "").len();
+    let description = draft.to_yaml("", "", None).len();
     Some((case.build(table).file.len(), description))
 }
 

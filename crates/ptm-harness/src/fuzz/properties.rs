@@ -76,7 +76,7 @@ pub fn recipe(bytes: &[u8]) {
         return;
     };
     let built = case.build(TableSpelling::default());
-    let yaml = draft.to_yaml("drawn", "");
+    let yaml = draft.to_yaml("drawn", "", None);
     let ptm = decode(&built.file).unwrap_or_else(|error| panic!("{error}\n{yaml}"));
     let expected = Expected::new(&built.values, &View::Raw).expect("the values are known");
     let difference = expected.compare(&Frame::render(&ptm, &View::Raw));
@@ -291,7 +291,8 @@ fn draw(bytes: &[u8]) -> Option<(Draft, Case)> {
         return None;
     }
     let cases = draft.cases("drawn");
-    let mut cases = cases.unwrap_or_else(|error| panic!("{error}\n{}", draft.to_yaml("drawn", "")));
+    let mut cases =
+        cases.unwrap_or_else(|error| panic!("{error}\n{}", draft.to_yaml("drawn", "", None)));
     Some((draft, cases.pop()?))
 }
 

@@ -28,7 +28,9 @@ pub fn write(finding: &Finding, table: TableSpelling, directory: &Path) -> io::R
     let case = case.ok_or_else(|| io::Error::other("the case is empty"))?;
     let built = case.build(table);
     fs::write(path("ptm"), &built.file)?;
-    let yaml = finding.small.to_yaml(&id, &cause_text(finding));
+    let yaml = finding
+        .small
+        .to_yaml(&id, &cause_text(finding), misread_clause(finding));
     fs::write(path("yaml"), yaml)?;
     let view = finding.view.as_ref();
     let expected = view.and_then(|view| Expected::new(&built.values, view));
@@ -58,6 +60,13 @@ pub fn cause_text(finding: &Finding) -> String {
             Some(cause) => format!("A decoder {}{}.", cause.effect, cause.clause_text()),
             None => format!("A decoder fails: {symptom}."),
         },
+    }
+}
+
+fn misread_clause(finding: &Finding) -> Option<&str> {
+    match &finding.cause {
+        Explanation::Misreading(suspects) => Some(suspects[0].clause),
+        _ => finding.diagnosis.as_ref()?.misread_clause(),
     }
 }
 

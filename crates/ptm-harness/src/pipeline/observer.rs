@@ -61,7 +61,7 @@ pub struct FinishedCase<'a> {
     pub is_wrong: bool,
 }
 
-/// The verdicts on the first cases of a run, which test every clause. Other cases may change them.
+/// The verdicts on the first cases of a run, which are chosen from all clauses. Other cases may change them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct FirstVerdicts {
     /// Number of cases that were judged.

@@ -143,10 +143,15 @@ impl Subject for RunningProgram<'_> {
             )));
         }
         if let Some(failure) = self.servers.as_ref().and_then(Servers::pipelining_failure) {
-            let message = format!(
-                "{PIPELINING_FAILED}: {}. {PIPELINING_ADVICE}",
-                failure.reason
-            );
+            let reason = &failure.reason;
+            let message = match failure.is_timeout {
+                true => {
+                    format!(
+                        "a pipelined request took too long, so the others were sent one at a time: {reason}"
+                    )
+                }
+                false => format!("{PIPELINING_FAILED}: {reason}. {PIPELINING_ADVICE}"),
+            };
             remarks.before.push(Remark {
                 failure: !failure.is_timeout,
                 message,

@@ -15,6 +15,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 
+use ptm_suite::kit::last_message::last_message;
 use ptm_suite::protocol::request::{Reply, Request};
 use ptm_suite::protocol::{forms, frame::Answer};
 
@@ -91,7 +92,7 @@ fn exchange(stream: &mut BufReader<UnixStream>, request: &Request) -> io::Result
         ),
         "reject" => Answer::Rejected,
         "unsupported" => Answer::Unsupported,
-        "crash" => Answer::Crashed(message()),
+        "crash" => Answer::Crashed(last_message(&message()).unwrap_or_default().to_owned()),
         "error" => Answer::ProtocolError(message()),
         _ => return Err(io::Error::other(format!("unexpected word {word:?}"))),
     };

@@ -181,7 +181,11 @@ impl<C: TestCase> CaseFacts<'_, C> {
             Response::Unsupported if expect == Expect::Reject => {
                 fail("exited with 69 (unsupported) on a malformed file of a kind that it decodes")
             }
-            Response::Unsupported => fail(C::UNSUPPORTED_MESSAGE),
+            Response::Unsupported => {
+                let kind = case.features(view);
+                let kind: Vec<String> = kind.iter().map(ToString::to_string).collect();
+                fail(format!("{} ({})", C::UNSUPPORTED_MESSAGE, kind.join(", ")))
+            }
             Response::Image {
                 right, difference, ..
             } => {

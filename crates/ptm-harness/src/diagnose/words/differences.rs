@@ -107,9 +107,17 @@ pub(in crate::diagnose) fn describe(
         false => effect_and_fix(step),
     };
     let [_, swap_fix] = effect_and_fix(Step::Rearranged);
-    let (effect, fix) = match swapped_channels(search, set, cases, &wrong) {
-        Some([first, second]) => (format!("swaps {first} and {second}"), swap_fix),
-        None => (
+    let swapped = swapped_channels(search, set, cases, &wrong);
+    let (effect, fix) = match (swapped, exchanged_axes(search, set, cases)) {
+        (Some([first, second]), _) => (format!("swaps {first} and {second}"), swap_fix),
+        (None, Some(axes)) => (
+            format!(
+                "exchanges the axes of images: ({axes}) instead of ({})",
+                AXES.join(", ")
+            ),
+            "order the samples by row, then by column, then by channel, and state the size in that order",
+        ),
+        (None, None) => (
             format!(
                 "{effect}{}{}{}{}{}",
                 shape_text(search, set, step, cases),
@@ -132,6 +140,33 @@ pub(in crate::diagnose) fn describe(
     };
     let clause = group.clause().or(step_clause(step));
     Diagnosis::from_description(Category::Difference, witnesses, cases, text, clause)
+}
+
+/// The axes of an array of samples.
+const AXES: [&str; 3] = ["height", "width", "channels"];
+
+/// Returns the axes of the received arrays, such as "channels, height, width", if all have the sizes of the expected ones in this
+/// order.
+fn exchanged_axes(search: &Search, set: &MistakeSet, cases: &[usize]) -> Option<String> {
+    let sizes = |frame: &Frame| [frame.height, frame.width, frame.channels];
+    let shapes = cases.iter().map(|&w| {
+        let received = search.witnesses[w].wrong_image()?;
+        match &*search.best_answer(w, set) {
+            Answer::Decoded(expected) => Some((sizes(received), sizes(expected))),
+            _ => None,
+        }
+    });
+    let shapes: Vec<_> = shapes.collect::<Option<_>>()?;
+    let orders = [[1, 0, 2], [2, 0, 1], [2, 1, 0], [0, 2, 1], [1, 2, 0]];
+    let is_order = |order: &[usize; 3]| {
+        let mut shapes = shapes.iter();
+        shapes.all(|(received, expected)| *received == order.map(|axis| expected[axis]))
+    };
+    let is_exchanged = shapes
+        .iter()
+        .any(|(received, expected)| received != expected);
+    let order = orders.into_iter().find(is_order)?;
+    (is_exchanged && shapes.len() >= MIN_SUPPORT).then(|| order.map(|axis| AXES[axis]).join(", "))
 }
 
 /// Returns text such as ": 4 channels instead of 3 channels" if all images of a group have the same wrong shape.

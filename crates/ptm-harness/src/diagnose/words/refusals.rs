@@ -86,12 +86,15 @@ fn outcomes_text(witnesses: &[Witness], cases: &[usize], files: &str) -> String 
 
 /// Returns advice about legal files without an image.
 fn fix(witnesses: &[Witness], cases: &[usize]) -> String {
-    let read = "read these legal files, or exit with 69 for all files of this kind";
+    let read = "read these legal files, or exit with 69 for all files with a feature that the decoder lacks";
     // The advice is about the example.
     let Some(mode) = FailureMode::new(&witnesses[cases[0]]) else {
         return read.to_owned();
     };
     match (&mode, mode.refusal_status()) {
+        (FailureMode::Unsupported, _) => {
+            "read these legal files, too, or exit with 69 for all files with one of the features in parentheses".to_owned()
+        }
         (FailureMode::TimesOut(_), _) => {
             "find out why these files take so long; if the decoder needs the time, raise the limit with --timeout".to_owned()
         }
