@@ -408,12 +408,21 @@ fn explainable(suite: &Suite) -> Result<[Explainable; 6], String> {
     let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
     let profiles = readers::load_profiles(None)?;
     let entry = |id: &str, says: &str| (id.to_owned(), says.trim().to_owned());
-    let of_ruling = |ruling: &Ruling| format!("{} {}", ruling.question.trim(), ruling.reading);
+    let of_ruling = |ruling: &Ruling| {
+        let Ruling {
+            question,
+            reading,
+            evidence,
+            ..
+        } = ruling;
+        format!("{} {reading} {evidence}", question.trim())
+    };
     let clauses = clauses.iter().map(|clause| entry(&clause.id, &clause.rule));
     let rulings = rulings
         .iter()
         .map(|ruling| entry(&ruling.id, &of_ruling(ruling)));
-    let misreadings = ptm_mistakes::all().map(|found| entry(found.slug, found.effect));
+    let misreadings = ptm_mistakes::all()
+        .map(|found| entry(found.slug, &format!("{}. Fix: {}", found.effect, found.fix)));
     let codes = codes::ALL.iter().map(|code| entry(code.id, code.message));
     let readers = profiles
         .iter()
@@ -443,6 +452,10 @@ fn search(word: &str, known: &[Explainable]) -> String {
         if found.is_empty() {
             continue;
         }
+        let kind = match found.len() {
+            1 => kind.trim_end_matches('s'),
+            _ => kind,
+        };
         let _ = writeln!(text, "{} {kind}:", found.len());
         for (id, says) in found.iter().take(MAX_FOUND) {
             let _ = writeln!(text, "  {id}: {says}");

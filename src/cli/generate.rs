@@ -41,9 +41,9 @@ pub struct GenerateArgs {
     #[cfg(unix)]
     #[arg(long, value_name = "VIEW", value_parser = ViewKind::NAMES, conflicts_with_all = ["all", "case", "profile"], num_args = 0..=1, default_missing_value = "rgb")]
     requests: Option<String>,
-    /// Write only the files of cases whose id matches, each as ID.ptm; * and ? are wildcards.
-    #[arg(long, value_name = "GLOB", conflicts_with_all = ["all", "profile"])]
-    case: Option<String>,
+    /// Write only the files of cases whose id matches, each as ID.ptm; * and ? are wildcards. Repeatable.
+    #[arg(long = "case", id = "case", value_name = "GLOB", conflicts_with_all = ["all", "profile"])]
+    cases: Vec<String>,
     /// Write a corpus for other projects: minimal, standard or exhaustive.
     #[arg(long, value_name = "PROFILE", conflicts_with = "all")]
     profile: Option<Profile>,
@@ -65,7 +65,7 @@ pub struct GenerateArgs {
 /// Writes the corpus, the requests or the profile.
 pub fn run(args: &GenerateArgs) -> CommandResult {
     let (mut suite, formats) = (Suite::load()?, &args.formats);
-    let selects_formats = args.profile.is_some() || args.case.is_some();
+    let selects_formats = args.profile.is_some() || !args.cases.is_empty();
     #[cfg(unix)]
     let selects_formats = selects_formats || args.requests.is_some();
     if !formats.is_empty() && !selects_formats {
@@ -81,8 +81,8 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     suite
         .cases
         .retain(|case| formats.is_empty() || formats.contains(&case.format()));
-    if let Some(id) = &args.case {
-        return write_cases(&suite, id, args.out.as_deref());
+    if !args.cases.is_empty() {
+        return write_cases(&suite, &args.cases, args.out.as_deref());
     }
     #[cfg(unix)]
     if let Some(view) = &args.requests {
@@ -126,15 +126,19 @@ pub fn run(args: &GenerateArgs) -> CommandResult {
     Ok(0)
 }
 
-/// Writes the files of the cases whose ids match `glob`.
-fn write_cases(suite: &Suite, glob: &str, out: Option<&Path>) -> CommandResult {
-    let is_named = id_filter("--case", &[glob.to_owned()])?;
+/// Writes the files of the cases whose ids match one of `globs`.
+fn write_cases(suite: &Suite, globs: &[String], out: Option<&Path>) -> CommandResult {
+    let ids = || suite.cases.iter().map(|case| case.id.as_str());
+    for glob in globs {
+        let is_named = id_filter("--case", std::slice::from_ref(glob))?;
+        if !ids().any(is_named) {
+            let hint = did_you_mean(glob, ids());
+            return Err(format!("no case id matches {glob:?}{hint}").into());
+        }
+    }
+    let is_named = id_filter("--case", globs)?;
     let cases = suite.cases.iter().filter(|case| is_named(&case.id));
     let cases: Vec<&Case> = cases.collect();
-    if cases.is_empty() {
-        let hint = did_you_mean(glob, suite.cases.iter().map(|case| case.id.as_str()));
-        return Err(format!("no case id matches {glob:?}{hint}").into());
-    }
     let is_directory =
         |path: &&Path| path.is_dir() || path.as_os_str().as_encoded_bytes().ends_with(b"/");
     let directory = out.filter(|path| cases.len() > 1 || is_directory(path));

@@ -24,6 +24,7 @@ mod reader_pages;
 pub mod readers;
 mod ruling_pages;
 mod search;
+mod texture_objects;
 mod texture_pages;
 mod witness;
 

@@ -10,6 +10,7 @@ use image::{RgbImage, imageops};
 use maud::{Markup, html};
 
 use super::page::{PageContext, SiteFile};
+use super::texture_objects::TextureObjects;
 use ptm::decode::decode;
 use ptm::reading::Reading;
 use ptm::{Format, Ptm};
@@ -23,11 +24,11 @@ use ptm_suite::kit::parallel::map_in_parallel;
 use ptm_suite::protocol::frame::{Answer, Samples, View};
 
 /// Number of lights in each row and column of the grid. The script of the site uses the same number.
-const GRID: usize = 5;
+pub(super) const GRID: usize = 5;
 /// Length of the longest light vectors. The script of the site uses the same number.
 const MAX_LENGTH: f64 = 0.98;
 /// Light of the still image, from the upper left: its index in the grid, row by row.
-const UPPER_LEFT: usize = GRID + 1;
+pub(super) const UPPER_LEFT: usize = GRID + 1;
 /// Lights under which a mistake is searched for. A mistake that swaps or negates u and v is visible under one of them.
 const SEARCHED: [usize; 3] = [UPPER_LEFT, 2 * GRID + 4, 3 * GRID + 2];
 /// Width and height of the object on the home page, in texels.
@@ -38,7 +39,7 @@ const QUALITY: u8 = 75;
 const BLOCK: u32 = 8;
 
 /// Returns light `index` of the grid. The grid is a square that is mapped to the unit disk.
-fn light(index: usize) -> (f64, f64) {
+pub(super) fn light(index: usize) -> (f64, f64) {
     let place = |i: usize| 2.0 * i as f64 / (GRID - 1) as f64 - 1.0;
     let (s, t) = (place(index % GRID), -place(index / GRID));
     let along = |a: f64, b: f64| MAX_LENGTH * a * (1.0 - b * b / 2.0).sqrt();
@@ -60,6 +61,7 @@ pub(super) struct Objects {
     readers: HashMap<String, Comparison>,
     /// For each ruling of kind choice, its readings that visibly change the object.
     choices: HashMap<&'static str, Vec<(&'static str, Comparison)>>,
+    pub(super) textures: TextureObjects,
 }
 
 /// A file of the scene, and its correct images.
@@ -177,6 +179,7 @@ impl Objects {
                 choices.entry(ruling).or_default().push(compared);
             }
         }
+        let textures = TextureObjects::render(&mut files, jobs);
         Objects {
             files,
             scenes,
@@ -184,6 +187,7 @@ impl Objects {
             misreadings,
             readers: HashMap::new(),
             choices,
+            textures,
         }
     }
 
@@ -212,7 +216,7 @@ impl Objects {
 }
 
 /// Adds a file under a name that is derived from its contents. Returns its path relative to the root of the site.
-fn put(files: &mut BTreeMap<String, Vec<u8>>, bytes: Vec<u8>) -> String {
+pub(super) fn put(files: &mut BTreeMap<String, Vec<u8>>, bytes: Vec<u8>) -> String {
     let path = format!("objects/{}.jpg", &sha256(&bytes)[..16]);
     files.insert(path.clone(), bytes);
     path
@@ -274,7 +278,7 @@ fn pitch(side: u32) -> u32 {
 }
 
 /// Joins the images under all lights of the grid to one JPEG file.
-fn sprite(side: u32, images: &[Vec<u8>]) -> Vec<u8> {
+pub(super) fn sprite(side: u32, images: &[Vec<u8>]) -> Vec<u8> {
     let pitch = pitch(side);
     let mut joined = RgbImage::new(pitch * GRID as u32, pitch * GRID as u32);
     for (i, image) in images.iter().enumerate() {
@@ -367,7 +371,7 @@ fn compared(context: PageContext, reference: &str, others: &[(&str, &Comparison)
 }
 
 /// Renders objects with one dial: for each object, the path of its file, the alternative text and the caption.
-fn markup(
+pub(super) fn markup(
     context: PageContext,
     still: usize,
     objects: &[(&str, String, Markup)],

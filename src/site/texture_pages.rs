@@ -119,7 +119,7 @@ fn mistakes(context: PageContext) -> SiteFile {
         p.kicker { a href="index.html" { "Texture" } }
         h1 { "Texture: misreadings" }
         ul.plain { @for misreading in ptm_mistakes::texture::all() {
-            li id=(misreading.slug) { code { (misreading.slug) } " " (context.link_as(misreading.clause, &html! { (misreading.clause) })) ": the stage " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." }
+            li id=(misreading.slug) { code { (misreading.slug) } " " (context.link_as(misreading.clause, &html! { (misreading.clause) })) ": the stage " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." (context.library.objects.textures.misreading(context, misreading).unwrap_or_default()) }
         } }
     };
     let title = "Texture: misreadings";

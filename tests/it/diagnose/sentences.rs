@@ -452,6 +452,43 @@ fn a_decoder_that_shows_only_zeros_does_not_show_how_it_reads_a_number() {
     assert_all_true(reports);
 }
 
+/// The decoder writes arrays of (channels, height, width), as many libraries for images and machine learning do.
+#[test]
+fn exchanged_axes_are_named() {
+    printed_report(&cases(is_uncompressed), |request| {
+        match reference_answer(request) {
+            Answer::Decoded(frame) => Answer::Decoded(Frame {
+                height: frame.channels,
+                width: frame.height,
+                channels: frame.width,
+                ..frame
+            }),
+            answer => answer,
+        }
+    })
+    .says(&["exchanges the axes of images: (channels, height, width) instead of (height, width, channels)"])
+    .assert_true();
+}
+
+/// The decoder refuses near-lossless JPEG-LS streams.
+#[test]
+fn near_lossless_streams_are_a_property() {
+    let is_jpeg_ls = |case: &Case| case.format().coding() == Some(Coding::JpegLs);
+    printed_report(&cases(is_jpeg_ls), |request| {
+        // NEAR is the second byte from the end of the scan header, after the marker, the length and one component.
+        let mut scans = request
+            .file
+            .windows(8)
+            .filter(|bytes| bytes[..5] == [0xFF, 0xDA, 0, 8, 1]);
+        match scans.any(|scan| scan[7] > 0) {
+            true => Answer::Rejected,
+            false => reference_answer(request),
+        }
+    })
+    .says(&["refuses every legal file", "near-lossless"])
+    .assert_true();
+}
+
 /// The decoder takes missing bytes as 255.
 #[test]
 fn padding_with_another_byte_does_not_look_the_same() {

@@ -273,7 +273,9 @@ fn partial_decoders_are_ready() {
 0 | case $1 in raw|coef|rgb:*) grep -aq 'FORMAT_[RLJ]' "$2" && exit 69; grep -aq nentries "$2" || exit 65;; *) exit 69;; esac↵right "$@"
   | PTM_C_LUT raw: decoded correctly && is spelled "nentries 256" && ready. Next
 0 | case $1 in raw|coef|rgb:*) grep -aq 'FORMAT_[RLJ]' "$2" && exit 69; grep -aq _LUT "$2" && ! grep -aq 'nentries\|N_LUT_ENTRIES' "$2" || exit 65;; *) exit 69;; esac↵right "$@"
-  | PTM_C_LUT raw: decoded correctly && is spelled "256" && ready. Next"#,
+  | PTM_C_LUT raw: decoded correctly && is spelled "256" && ready. Next
+0 | case $1 in raw|coef|rgb:*) grep -aq 'FORMAT_[RL]\|C_LUT\|PTM_LUT' "$2" && exit 69; grep -aq FORMAT_ "$2" || exit 65;; *) exit 69;; esac↵right "$@" || exit 65
+  | JPEG_RGB raw: decoded correctly && a frame of 29949 texels in coef && ready. Next"#,
     );
 }
 

@@ -291,11 +291,13 @@ fn prediction_properties(f: &File) -> [Property; 14] {
     ]
 }
 
-fn stream_properties(f: &File) -> [Property; 7] {
+fn stream_properties(f: &File) -> [Property; 8] {
     let has = |test: fn(&Compression) -> bool| f.plan.is_some_and(test);
     let is_jpeg = f.format.coding() == Some(Coding::Jpeg);
     let is_zero = has(|plan| plan.parameter == 0);
     let is_wide = is_jpeg && has(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24);
+    let is_near_lossless =
+        f.format.coding() == Some(Coding::JpegLs) && has(|plan| plan.parameter > 0);
     let has_restarts = has(|plan| plan.stream.jpeg.restart_interval > 0);
     let is_joint = has(|plan| plan.stream.jpeg.tables_together);
     let has_factors = is_jpeg && has(|plan| plan.stream.jpeg.sampling != (1, 1));
@@ -306,6 +308,10 @@ fn stream_properties(f: &File) -> [Property; 7] {
     });
     [
         ("2.9.1/2 with a compression parameter of 0", is_zero),
+        (
+            "2.9.8/3 with near-lossless streams (NEAR over 0)",
+            is_near_lossless,
+        ),
         ("2.9.8/3 with restart markers", has_restarts),
         (
             "2.9.8/3 with several tables in one marker segment",

@@ -13,6 +13,7 @@ use ptm_suite::protocol::request::{Reply, Request};
 
 use super::message::{ProbeFault, fault};
 use super::repair::repair;
+use super::sample::MAX_TEXELS;
 
 /// Calls the probed decoder in a scratch directory.
 pub(super) struct Calls<'a> {
@@ -50,8 +51,9 @@ impl Calls<'_> {
     }
 
     fn call_with_template(&self, template: Option<Template>, view: &View, file: &[u8]) -> Reply {
-        // All output is examined, so the limit leaves room for an f64 for each byte of the file, and more.
-        let request = Request::new("probe", view, file, file.len().max(1 << 12) * 18);
+        // All output is examined, so the limit leaves room for 18 values per texel in any type, also for compressed files.
+        let texels = file.len().max(MAX_TEXELS);
+        let request = Request::new("probe", view, file, texels * 18 * size_of::<f32>());
         let other = template.map(|template| self.decoder.with_command_line(template));
         (other.as_ref().unwrap_or(self.decoder)).ask(&request, self.scratch)
     }

@@ -9,6 +9,9 @@ use ptm_suite::{cases::TableSpelling, compare::Expected, values::Values};
 
 use super::checklist::Reproduction;
 
+/// Maximum number of texels of a file.
+pub(super) const MAX_TEXELS: usize = 1 << 15;
+
 /// A file and the values that a correct decoder finds in it.
 pub(super) struct Sample {
     pub(super) format: Format,
@@ -45,7 +48,7 @@ impl Sample {
         }
     }
 
-    /// Returns a file whose frame is larger than the buffer of a pipe.
+    /// Returns a file whose frame is larger than the buffer of a pipe, with nearly [`MAX_TEXELS`] texels.
     pub(super) fn large(format: Format, spelling: TableSpelling) -> Sample {
         Sample::new(format, "201x149", spelling)
     }
