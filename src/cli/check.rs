@@ -8,7 +8,7 @@ use super::display::Display;
 use super::ending::ReportWriter;
 use super::guard::{ScratchGuard, stop_on_signals};
 use super::names::did_you_mean;
-use super::output::{jobs, print};
+use super::output::{jobs, print, print_note};
 use super::probe::save_files;
 use super::subject::{Answers, NamedDecoder, decoder_for_command};
 use super::terminal::print_styled;
@@ -125,6 +125,11 @@ fn check_decoder(args: &CheckArgs, stop: &StopFlag) -> CommandResult {
     };
     let advice = reordered_command::<CheckArgs>("check", &args.decoder);
     let advice = advice.map(|command| format!("options come before the decoder: {command}"));
+    if let Some(advice) = &advice {
+        print_note(&format!(
+            "note: these words are passed to the decoder; {advice}\n"
+        ));
+    }
     let subject: Box<dyn Subject> = match &decoder.answers {
         Answers::Precomputed(outputs) => Box::new(outputs),
         Answers::Caller(caller) => Box::new(caller),

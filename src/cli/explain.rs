@@ -31,6 +31,8 @@ use ptm_suite::verdicts::outcome::Outcome;
 use ptm_suite::{name::SuiteName, test_case::Listed};
 #[cfg(unix)]
 use ptm_writers::cases::load_writer_requests;
+#[cfg(unix)]
+use ptm_writers::fitting::{cases::load_fitter_requests, photographs::Encoding};
 
 /// Explain a case, a clause, a ruling, a misreading, a lint code or a public reader, or search for a word.
 #[derive(Args)]
@@ -69,6 +71,15 @@ pub fn run(args: &ExplainArgs) -> CommandResult {
 /// Describes the `check-writer` request with this id. Returns an empty string if there is none.
 #[cfg(unix)]
 fn explain_request(id: &str) -> Result<String, String> {
+    let fits = load_fitter_requests(None, Encoding::Png);
+    if let Some(case) = fits.case(id) {
+        let clauses = case.clauses.join(", ");
+        let lights = case.values.photographs(case.format).lp();
+        let because = &case.because;
+        return Ok(format!(
+            "fitter request {id} ({clauses})\n  {because}\n  lights:\n{lights}"
+        ));
+    }
     let suite = load_writer_requests()?;
     let Some(case) = suite.case(id) else {
         return Ok(String::new());
@@ -403,8 +414,20 @@ const MAX_FOUND: usize = 8;
 /// Kind of ids, and each id with its text.
 type Explainable = (&'static str, Vec<(String, String)>);
 
+/// Returns the ids of the requests to fitters, with the reason for each.
+fn fitter_ids() -> Vec<(String, String)> {
+    #[cfg(unix)]
+    return load_fitter_requests(None, Encoding::Png)
+        .cases
+        .into_iter()
+        .map(|case| (case.id, case.because))
+        .collect();
+    #[cfg(not(unix))]
+    Vec::new()
+}
+
 /// Returns the ids that can be explained, by kind, with the texts about them.
-fn explainable(suite: &Suite) -> Result<[Explainable; 6], String> {
+fn explainable(suite: &Suite) -> Result<[Explainable; 7], String> {
     let (clauses, rulings) = (clauses::clauses()?, clauses::rulings()?);
     let profiles = readers::load_profiles(None)?;
     let entry = |id: &str, says: &str| (id.to_owned(), says.trim().to_owned());
@@ -423,6 +446,7 @@ fn explainable(suite: &Suite) -> Result<[Explainable; 6], String> {
         .map(|ruling| entry(&ruling.id, &of_ruling(ruling)));
     let misreadings = ptm_mistakes::all()
         .map(|found| entry(found.slug, &format!("{}. Fix: {}", found.effect, found.fix)));
+    let fits = fitter_ids();
     let codes = codes::ALL.iter().map(|code| entry(code.id, code.message));
     let readers = profiles
         .iter()
@@ -438,6 +462,7 @@ fn explainable(suite: &Suite) -> Result<[Explainable; 6], String> {
         ("lint codes", codes.collect()),
         ("readers", readers.collect()),
         ("cases", cases.collect()),
+        ("fitter requests", fits),
     ])
 }
 
@@ -458,13 +483,23 @@ fn search(word: &str, known: &[Explainable]) -> String {
         };
         let _ = writeln!(text, "{} {kind}:", found.len());
         for (id, says) in found.iter().take(MAX_FOUND) {
-            let _ = writeln!(text, "  {id}: {says}");
+            let _ = writeln!(text, "  {id}: {}", shorten(says));
         }
         if found.len() > MAX_FOUND {
             let _ = writeln!(text, "  … and {} more", found.len() - MAX_FOUND);
         }
     }
     text
+}
+
+/// Returns the first words of a long text.
+fn shorten(text: &str) -> String {
+    const MAX_LENGTH: usize = 200;
+    let Some((end, _)) = text.char_indices().nth(MAX_LENGTH) else {
+        return text.to_owned();
+    };
+    let end = text[..end].rfind(' ').unwrap_or(end);
+    format!("{} …", &text[..end])
 }
 
 fn unknown_id_message(id: &str, known: &[Explainable]) -> String {

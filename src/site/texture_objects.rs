@@ -110,12 +110,16 @@ impl TextureObjects {
         });
         let search =
             |setting: &Setting, rules: &Rules| draw(setting, rules, SEARCHED_SIDE, UPPER_LEFT);
-        let expected = SETTINGS.each_ref().map(|setting| search(setting, &Rules::SPEC));
+        let expected = SETTINGS
+            .each_ref()
+            .map(|setting| search(setting, &Rules::SPEC));
         let all: Vec<_> = ptm_mistakes::texture::all().collect();
         let found = map_in_parallel(all.len(), jobs, &|_, _| (), &|i| {
             let rules = all[i].apply_to(Rules::SPEC);
             let setting = (0..SETTINGS.len()).find(|&setting| {
-                let images = expected[setting].as_ref().zip(search(&SETTINGS[setting], &rules));
+                let images = expected[setting]
+                    .as_ref()
+                    .zip(search(&SETTINGS[setting], &rules));
                 images.is_some_and(|(expected, image)| differ_visibly(expected, &image))
             })?;
             let images = draw_all(&SETTINGS[setting], &rules)?;
@@ -130,7 +134,8 @@ impl TextureObjects {
         }
         let is_shown = |i: usize| misreadings.values().any(|shown| shown.setting == i);
         let correct = correct.iter().enumerate();
-        let correct = correct.map(|(i, images)| is_shown(i).then(|| put(files, sprite(SIDE, images))));
+        let correct =
+            correct.map(|(i, images)| is_shown(i).then(|| put(files, sprite(SIDE, images))));
         TextureObjects {
             correct: correct.collect(),
             misreadings,

@@ -172,7 +172,7 @@ fn card(
                     Some(evidence) => (evidence),
                     None => @if !case.stderr.is_empty() { (standard_error(&case.stderr)) },
                 }
-                p.label { "Run it again" }
+                p.label { "Run it again, with the other options of the run" }
                 pre.command tabindex="0" { (repeat_command(report, &case.id)) }
                 p.quiet {
                     code { "ptm-conform explain " (case.id) }
@@ -196,14 +196,18 @@ fn repeat_command(report: &Report, id: &str) -> String {
     let quoted = |word: &str| shlex::try_quote(word).map_or_else(|_| "''".to_owned(), Into::into);
     let words = command.split(' ').map(quoted).collect::<Vec<_>>().join(" ");
     let case = quoted(id);
+    let is_template = ["{in}", "{out}"].iter().any(|word| command.contains(word));
     let check = match report.suite {
-        SuiteName::Ptm if command.contains("{in}") => {
-            return format!("ptm-conform check --case {case} --cmd {}", quoted(command));
-        }
         SuiteName::Ptm => "check",
         SuiteName::Texture => "check --suite texture",
         SuiteName::Writers => "check-writer",
         SuiteName::Fitters => "check-writer --fitter",
     };
-    format!("ptm-conform {check} --case {case} -- {words}")
+    match is_template {
+        true => format!(
+            "ptm-conform {check} --case {case} --cmd {}",
+            quoted(command)
+        ),
+        false => format!("ptm-conform {check} --case {case} -- {words}"),
+    }
 }

@@ -76,7 +76,9 @@ pub fn load_fitter_requests(user_set: Option<&ImageSet>, encoding: Encoding) -> 
 }
 
 impl ImageSource {
-    fn photographs(&self, format: Format) -> ImageSet {
+    /// Returns the photographs for a map in this format.
+    #[must_use]
+    pub fn photographs(&self, format: Format) -> ImageSet {
         let set = match &self.origin {
             ImageOrigin::Generated(plan) => plan.make(format),
             ImageOrigin::Provided(set) => set.clone(),
@@ -161,7 +163,19 @@ impl RequestValues for ImageSource {
             evidence.extend(file.and_then(map).map(|map| (index, map)));
         }
         let candidates = MISTAKES.iter().filter_map(|mistake| {
-            let shows = |index: usize| evidence.get(&index).is_some_and(|map| map.matches(mistake));
+            let verdict = |index: usize| evidence.get(&index)?.verdict(mistake);
+            let verdicts: BTreeMap<usize, Option<bool>> = failing
+                .iter()
+                .map(|&index| (index, verdict(index)))
+                .collect();
+            let count = |wanted| {
+                verdicts
+                    .values()
+                    .filter(|&&one| one == Some(wanted))
+                    .count()
+            };
+            // A mistake that explains few of the maps that it would change may resemble another one there.
+            let shows = |index: usize| verdicts[&index] == Some(true) && count(true) > count(false);
             CoverCandidate::new(mistake, &failing, shows, &[], |_| false)
         });
         let mut diagnoses = Vec::new();

@@ -44,6 +44,8 @@ enum Criterion {
     /// The map is right if its coefficients are read in this order and computed with this function of the raw value, the scale
     /// and the bias.
     Numbers([usize; 6], fn(f64, f64, f64) -> f64),
+    /// The map is right if each texel has all its values in one place.
+    Texels,
     /// The map satisfies this predicate.
     Map(fn(&WrongMap) -> bool),
 }
@@ -71,36 +73,63 @@ impl WrongMap {
         })
     }
 
-    /// Returns true if a fitter with this mistake would produce this map.
-    pub fn matches(&self, mistake: &FitMistake) -> bool {
-        match mistake.criterion() {
+    /// Returns `Some(true)` if a fitter with this mistake would produce this map, and `Some(false)` if it would produce another wrong
+    /// map.
+    pub fn verdict(&self, mistake: &FitMistake) -> Option<bool> {
+        let matches = match mistake.criterion() {
             Criterion::Photographs(change) => {
                 let mut changed = self.set.clone();
                 change(&mut changed);
                 let lights = directions(&changed);
-                self.is_near(&FittedMap::new(&changed, &lights, self.format))
+                return self.compare(&FittedMap::new(&changed, &lights, self.format));
             }
             Criterion::Lights(light) => {
                 let lights: Vec<_> = self.set.photographs.iter().map(light).collect();
-                self.is_near(&FittedMap::new(&self.set, &lights, self.format))
+                return self.compare(&FittedMap::new(&self.set, &lights, self.format));
             }
-            Criterion::Numbers(order, value) => self.is_right(order, value),
+            Criterion::Numbers(order, value) => self.is_right(&self.ptm, order, value),
+            Criterion::Texels => {
+                let mut ptm = self.ptm.clone();
+                ptm.planes.samples = self.samples_without_blocks();
+                self.is_right(&ptm, CLAUSE_ORDER, |raw, scale, bias| (raw - bias) * scale)
+            }
             Criterion::Map(predicate) => predicate(self),
+        };
+        matches.then_some(true)
+    }
+
+    /// Returns `Some(true)` if the map is near `other`, relative to the distance between the map and the optimum, and `Some(false)`
+    /// if it is not, although `other` is far from the optimum.
+    fn compare(&self, other: &FittedMap) -> Option<bool> {
+        let (other, best) = (other.polynomials(), self.best.polynomials());
+        let from_best = self.found.distance(&best, &self.set);
+        match self.found.distance(&other, &self.set) < 1.0 + 0.1 * from_best {
+            true => Some(true),
+            false => (other.distance(&best, &self.set) > 2.0).then_some(false),
         }
     }
 
-    /// Returns true if the map is near `other`, relative to the distance between the map and the optimum.
-    fn is_near(&self, other: &FittedMap) -> bool {
-        let other = other.polynomials();
-        let from_best = self.found.distance(&self.best.polynomials(), &self.set);
-        self.found.distance(&other, &self.set) < 1.0 + 0.1 * from_best
+    /// Returns the samples, top row first, of a reader that takes the bytes of the blocks as texels with all their values.
+    fn samples_without_blocks(&self) -> Vec<u8> {
+        let channels = self.ptm.planes.shape.channels();
+        let row = channels * self.set.size.width as usize;
+        let flip =
+            |samples: &[u8]| -> Vec<u8> { samples.rchunks_exact(row).flatten().copied().collect() };
+        let stored = flip(&self.ptm.planes.samples);
+        let mut bytes = Vec::with_capacity(stored.len());
+        for first in (0..channels).step_by(6) {
+            let block = first..(first + 6).min(channels);
+            let texels = stored.chunks_exact(channels);
+            bytes.extend(texels.flat_map(|texel| &texel[block.clone()]));
+        }
+        flip(&bytes)
     }
 
-    /// Returns true if the map fits when its coefficients are read in the given order and computed with `value`, which changes
-    /// the map.
-    fn is_right(&self, order: [usize; 6], value: fn(f64, f64, f64) -> f64) -> bool {
+    /// Returns true if the map fits when it is read as `ptm` and its coefficients are read in the given order and computed with
+    /// `value`, which changes the map.
+    fn is_right(&self, ptm: &Ptm, order: [usize; 6], value: fn(f64, f64, f64) -> f64) -> bool {
         let best = self.best.polynomials().errors(&self.set);
-        Polynomials::with_values(&self.ptm, order, value).is_some_and(|found| {
+        Polynomials::with_values(ptm, order, value).is_some_and(|found| {
             // The tolerance is larger because integer offsets cause larger rounding errors than biases.
             let mut pairs = found.errors(&self.set).into_iter().zip(best);
             pairs.all(|(found, best)| found <= max_error(best) + 2.0)
@@ -183,6 +212,25 @@ fn flip_rows(set: &mut ImageSet) {
     }
 }
 
+fn mirror_rows(set: &mut ImageSet) {
+    let row = 3 * set.size.width as usize;
+    for photograph in &mut set.photographs {
+        for row in photograph.pixels.chunks_exact_mut(row) {
+            let pixels: Vec<[u8; 3]> = row.as_chunks().0.iter().rev().copied().collect();
+            row.copy_from_slice(pixels.as_flattened());
+        }
+    }
+}
+
+/// Pairs each photograph with the light of the next one.
+fn shift_lights(set: &mut ImageSet) {
+    let mut lights: Vec<[f64; 3]> = set.photographs.iter().map(|p| p.light).collect();
+    lights.rotate_left(1);
+    for (photograph, light) in set.photographs.iter_mut().zip(lights) {
+        photograph.light = light;
+    }
+}
+
 fn swap_red_and_blue(set: &mut ImageSet) {
     for photograph in &mut set.photographs {
         for pixel in photograph.pixels.chunks_exact_mut(3) {
@@ -206,13 +254,17 @@ impl FitMistake {
             "v-negated" => Lights(|p| [p.direction()[0], -p.direction()[1]]),
             "u-negated" => Lights(|p| [-p.direction()[0], p.direction()[1]]),
             "u-and-v-exchanged" => Lights(|p| [p.direction()[1], p.direction()[0]]),
+            "u-and-v-negated" => Lights(|p| p.direction().map(|c| -c)),
             "light-not-normalized" => Lights(|p| [p.light[0], p.light[1]]),
             "light-normalized-in-the-plane" => Lights(|p| {
                 let [x, y, _] = p.light;
                 [x, y].map(|c| c / x.hypot(y).max(1e-12))
             }),
             "images-sorted-by-name" => Photographs(sort_by_name),
+            "lights-of-the-next-image" => Photographs(shift_lights),
             "top-row-first" => Photographs(flip_rows),
+            "columns-mirrored" => Photographs(mirror_rows),
+            "texels-not-in-blocks" => Criterion::Texels,
             "red-and-blue-exchanged" => Photographs(swap_red_and_blue),
             "gamma-removed" => Photographs(|set| map_pixels(set, |x| x.powf(2.2))),
             "gamma-applied" => Photographs(|set| map_pixels(set, |x| x.powf(1.0 / 2.2))),

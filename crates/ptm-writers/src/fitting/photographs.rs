@@ -5,7 +5,8 @@ use std::fs;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
-use image::{ImageError, ImageFormat, ImageReader, RgbImage};
+use image::codecs::tga::TgaEncoder;
+use image::{ExtendedColorType, ImageError, ImageFormat, ImageReader, RgbImage};
 use serde::{Deserialize, Serialize};
 
 use ptm::{Format, Size};
@@ -73,6 +74,15 @@ impl Encoding {
     }
 
     fn encode(self, size: Size, pixels: &[u8]) -> Vec<u8> {
+        if self == Encoding::Tga {
+            // Uncompressed, because the run-length packets of this encoder extend over several rows, which Pillow refuses.
+            let mut file = Vec::new();
+            TgaEncoder::new(&mut file)
+                .disable_rle()
+                .encode(pixels, size.width, size.height, ExtendedColorType::Rgb8)
+                .expect("the image is small");
+            return file;
+        }
         let image = rgb(size, pixels.to_vec()).into();
         encode_image(&image, self.image_format()).expect("the image is small")
     }

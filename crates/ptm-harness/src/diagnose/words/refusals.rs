@@ -93,7 +93,7 @@ fn fix(witnesses: &[Witness], cases: &[usize]) -> String {
     };
     match (&mode, mode.refusal_status()) {
         (FailureMode::Unsupported, _) => {
-            "read these legal files, too, or exit with 69 for all files with one of the features in parentheses".to_owned()
+            "read these legal files, too, or exit with 69 for all files with one of the features that the message names".to_owned()
         }
         (FailureMode::TimesOut(_), _) => {
             "find out why these files take so long; if the decoder needs the time, raise the limit with --timeout".to_owned()

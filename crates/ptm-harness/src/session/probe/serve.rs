@@ -11,6 +11,7 @@ use std::time::Instant;
 
 use crate::runner::call::{Call, MAX_WAIT, POLL_INTERVAL};
 use crate::runner::scratch::Workspace;
+use ptm_suite::kit::last_message::quote_last_message;
 use ptm_suite::protocol::frame::{Answer, EXIT_MALFORMED, Frame, TimeLimit, View};
 use ptm_suite::protocol::request::AttemptKind;
 
@@ -29,6 +30,21 @@ type Stop = Option<(usize, ProbeFault)>;
 pub(super) fn probe_serve_mode(calls: &Calls, first: &FileReplies, list: &mut Checklist) {
     match steps(calls, first, list) {
         Ok(()) => list.add_good("serve: the process ends when its input ends"),
+        Err(None) if declares_serve_mode(calls) => {
+            let message = Dialog::start(calls).map(|mut dialog| {
+                let file = dialog.write_input("file.ptm", &first.sample.file);
+                dialog.send(1, &first.replies[0].0, &[&file]);
+                let _ = dialog.end();
+                quote_last_message("; ", &String::from_utf8_lossy(&dialog.call.errors))
+            });
+            let slots: &Slots = &[("message", &message.unwrap_or_default())];
+            let whole = first.sample.reproduction(&first.replies[0].0).requests;
+            let reproduction = Reproduction {
+                serve: true,
+                requests: whole,
+            };
+            list.add_fault(&"serve", fault("serve-declared", slots), reproduction);
+        }
         Err(None) => {
             list.add_absent("serve: not offered (optional); ptm-conform example shows both modes");
         }
@@ -50,6 +66,11 @@ pub(super) fn probe_serve_mode(calls: &Calls, first: &FileReplies, list: &mut Ch
             list.add_fault(&"serve", fault, Reproduction { serve, requests });
         }
     }
+}
+
+fn declares_serve_mode(calls: &Calls) -> bool {
+    let capabilities = calls.decoder.capabilities(calls.scratch);
+    capabilities.is_ok_and(|declared| declared.serves)
 }
 
 fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(), Stop> {
@@ -82,6 +103,9 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         ServeResult::Fault(fault) => return Err(Some((1, fault))),
     }
     list.add_good("serve: the first response comes immediately and equals the one-shot response");
+    if let Some(surplus) = dialog.surplus() {
+        return Err(Some((1, fault("serve-surplus", &[("surplus", &surplus)]))));
+    }
     match dialog.ask(2, view, &malformed) {
         ServeResult::Answer(line, _) => {
             let code = line.trim_end().strip_prefix("2 reject ");
@@ -93,7 +117,7 @@ fn steps(calls: &Calls, first: &FileReplies, list: &mut Checklist) -> Result<(),
         }
         ServeResult::Ended(_) => return after(2, "serve-gone"),
         ServeResult::NoAnswer => return Err(Some((2, too_slow("a malformed file")))),
-        ServeResult::Fault(_) => return after(2, "serve-no-refusal"),
+        ServeResult::Fault(fault) => return Err(Some((2, fault))),
     }
     list.add_good("serve: a malformed file is refused");
     match dialog.ask(3, view, &whole) {
@@ -214,6 +238,13 @@ impl<'a> Dialog<'a> {
             }
             served => served,
         }
+    }
+
+    /// Returns what was read after the last answer, if anything.
+    fn surplus(&self) -> Option<String> {
+        let output = &self.call.output;
+        (!output.is_empty())
+            .then(|| format!("\"{}\"", output[..output.len().min(20)].escape_ascii()))
     }
 
     /// Closes the input of the process and waits for a last answer, or for the end of the process.
