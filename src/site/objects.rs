@@ -243,10 +243,25 @@ fn compare(
         let images = render_all(mistakes, &reading, &ptm)?;
         Some(Compared {
             scene: index,
-            still,
+            still: most_telling_light(&scene.images, &images, still),
             sprite: sprite(lit_scene::SIDE, &images),
         })
     })
+}
+
+/// Returns the light under which wrong images differ most from the correct ones, or `preferred` if it is nearly as good.
+pub(super) fn most_telling_light(
+    correct: &[Vec<u8>],
+    wrong: &[Vec<u8>],
+    preferred: usize,
+) -> usize {
+    let difference = |light: usize| -> u64 {
+        let pairs = correct[light].iter().zip(&wrong[light]);
+        pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum()
+    };
+    let best = (0..correct.len()).max_by_key(|&light| difference(light));
+    best.filter(|&best| 2 * difference(best) > 3 * difference(preferred))
+        .unwrap_or(preferred)
 }
 
 /// Renders the scene under a light of the grid. Returns `None` if the image is not the size of the scene.
@@ -325,14 +340,14 @@ pub(super) fn misreading(context: PageContext, misreading: &Misreading) -> Optio
 /// Renders the object correctly and with the known mistakes and readings of the reader, if the difference is visible.
 pub(super) fn reader(context: PageContext, reader: &str) -> Option<Markup> {
     let comparison = context.library.objects.readers.get(reader)?;
-    Some(pair(
-        context,
-        comparison,
-        [
-            "correct",
-            "computed with the known mistakes and readings of this reader",
-        ],
-    ))
+    let captions = [
+        "as the reference shows it",
+        "computed with the known mistakes and readings of this reader",
+    ];
+    Some(html! {
+        (pair(context, comparison, captions))
+        p.quiet { "Readings of open questions are no mistakes, but they may look different." }
+    })
 }
 
 /// Renders the object under each reading of a ruling of kind choice, if a difference is visible. Readings that are visible in the

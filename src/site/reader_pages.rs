@@ -221,7 +221,7 @@ pub(super) fn scoreboard(context: PageContext) -> SiteFile {
     };
     let body = html! {
         h1 { "Scoreboard" }
-        p.lead { "For each clause, the table shows how many of the judged cases each public reader passes; the darker a cell, the larger the share of failures. A case may test several clauses, so one mistake can appear in several rows; "
+        p.lead { "For each clause, the table shows how many of the judged cases each public reader passes; the stronger the red of a cell, the larger the share of failures. A case may test several clauses, so one mistake can appear in several rows; "
             "each reader's page lists its known mistakes." }
         p.legend {
             span.tile data-state="fail" { "✗" } " at least one case failed "
@@ -234,7 +234,7 @@ pub(super) fn scoreboard(context: PageContext) -> SiteFile {
             label.check { input #differing type="checkbox"; " only clauses on which readers differ" }
             span #list-found role="status" aria-live="polite" {}
         }
-        div.scroll.tall.wide tabindex="0" { table.matrix.scoreboard.filtered {
+        div.scroll.tall tabindex="0" { table.matrix.scoreboard.filtered {
             thead { tr {
                 th scope="col" { "clause" }
                 @for run in runs {

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use super::objects::{GRID, UPPER_LEFT, light, markup, put, sprite};
+use super::objects::{GRID, UPPER_LEFT, light, markup, most_telling_light, put, sprite};
 use super::page::PageContext;
 use ptm_harness::session::lit_scene::{ball, differ_visibly};
 use ptm_mistakes::Misreading;
@@ -79,6 +79,8 @@ pub(super) struct TextureObjects {
 /// A setting in which a misreading is visible.
 struct Shown {
     setting: usize,
+    /// Index of the light of the still image.
+    still: usize,
     path: String,
 }
 
@@ -123,13 +125,20 @@ impl TextureObjects {
                 images.is_some_and(|(expected, image)| differ_visibly(expected, &image))
             })?;
             let images = draw_all(&SETTINGS[setting], &rules)?;
-            Some((setting, sprite(SIDE, &images)))
+            let still = most_telling_light(&correct[setting], &images, UPPER_LEFT);
+            differ_visibly(&correct[setting][still], &images[still])
+                .then(|| (setting, still, sprite(SIDE, &images)))
         });
         let mut misreadings = BTreeMap::new();
         for (misreading, found) in all.iter().zip(found) {
-            if let Some((setting, sprite)) = found {
+            if let Some((setting, still, sprite)) = found {
                 let path = put(files, sprite);
-                misreadings.insert(misreading.slug, Shown { setting, path });
+                let shown = Shown {
+                    setting,
+                    still,
+                    path,
+                };
+                misreadings.insert(misreading.slug, shown);
             }
         }
         let is_shown = |i: usize| misreadings.values().any(|shown| shown.setting == i);
@@ -161,7 +170,7 @@ impl TextureObjects {
             PreviewShape::Sphere => "a sphere",
         };
         Some(html! {
-            (markup(context, UPPER_LEFT, &objects, SIDE))
+            (markup(context, shown.still, &objects, SIDE))
             p.quiet { "A PTM on " (shape) ", with the entry " code { (setting.entry) } }
         })
     }

@@ -118,9 +118,10 @@ fn mistakes(context: PageContext) -> SiteFile {
     let body = html! {
         p.kicker { a href="index.html" { "Texture" } }
         h1 { "Texture: misreadings" }
-        ul.plain { @for misreading in ptm_mistakes::texture::all() {
+        (super::misreading_pages::filter_box("misreadings"))
+        section.filtered { ul.plain.mistakes { @for misreading in ptm_mistakes::texture::all() {
             li id=(misreading.slug) { code { (misreading.slug) } " " (context.link_as(misreading.clause, &html! { (misreading.clause) })) ": the stage " (misreading.effect) ". " b { "Fix: " } (misreading.fix) "." (context.library.objects.textures.misreading(context, misreading).unwrap_or_default()) }
-        } }
+        } } }
     };
     let title = "Texture: misreadings";
     context.page("texture/misreadings.html", "Texture", title, &body)

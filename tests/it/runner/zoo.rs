@@ -107,7 +107,7 @@ pipelined-crashes-on-version-1-3
 pipelined-hangs-on-version-1-3
   | 1 | --timeout 2 | version-1-3-lrgb version-1-3-rgb | exceeds the time limit of 6 s (`--timeout`)
 pipelined-takes-one
-  | 0 | --timeout 2 | none | note: the decoder declares `pipelined`, but answers only requests that are sent one at a time: it answered 1 of
+  | 0 | --timeout 2 | none | note: some requests that were sent at once were not answered in time, so requests are sent one at a time: it answered 1 of
 pipelined-skips-one pipelined-backward
   | 1 | | none | FAIL: the decoder declares `pipelined`, but && has the number && or do not declare `pipelined`
 pipelined-ends-early

@@ -147,7 +147,7 @@ impl Subject for RunningProgram<'_> {
             let message = match failure.is_timeout {
                 true => {
                     format!(
-                        "a pipelined request took too long, so the others were sent one at a time: {reason}"
+                        "some requests that were sent at once were not answered in time, so requests are sent one at a time: {reason}. Either a file takes long, or the decoder answers only one of several lines that it reads at once"
                     )
                 }
                 false => format!("{PIPELINING_FAILED}: {reason}. {PIPELINING_ADVICE}"),
