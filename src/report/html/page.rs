@@ -115,7 +115,9 @@ fn results(texts: &SuiteTexts, report: &Report) -> Markup {
             @if let Some(baseline) = &report.baseline {
                 span.quiet { (baseline.known.len()) " known failures, " (baseline.new.len()) " new failures, " (baseline.stale.len()) " fixed" } " "
             }
-            @if selected < all { span.quiet { (selected) " of " (all) " cases were selected" } }
+            @let not_asked: usize = report.not_asked.values().sum();
+            @if selected + not_asked < all { span.quiet { (selected + not_asked) " of " (all) " cases were selected" } }
+            @if not_asked > 0 { span.quiet { " " (not_asked) " were not asked" } }
         }
     }
 }

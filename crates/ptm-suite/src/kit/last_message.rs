@@ -1,7 +1,16 @@
 //! The last message that a crashed program printed.
 
 /// Prefixes of lines that interpreters print after the message: locations, versions and hints.
-const TRAILER_PREFIXES: [&str; 6] = ["at ", "from ", "... ", "Node.js v", "note: ", "}"];
+const TRAILER_PREFIXES: [&str; 8] = [
+    "at ",
+    "from ",
+    "... ",
+    "Node.js v",
+    "note: ",
+    "}",
+    "Execution of ",
+    "BEGIN failed",
+];
 
 /// The line with which Python begins the trace of an exception.
 const PYTHON_TRACE: &str = "Traceback (most recent call last):";
@@ -40,6 +49,15 @@ pub fn last_message(stderr: &str) -> Option<&str> {
 #[cfg(test)]
 mod tests {
     use super::last_message;
+
+    #[test]
+    fn last_message_of_perl_has_a_place() {
+        let perl = "syntax error at d.pl line 3, near \"my \"\nExecution of d.pl aborted due to compilation errors.\n";
+        assert_eq!(
+            last_message(perl),
+            Some("syntax error at d.pl line 3, near \"my \"")
+        );
+    }
 
     #[test]
     fn last_message_omits_interpreter_trailers() {

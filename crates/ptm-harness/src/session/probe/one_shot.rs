@@ -184,7 +184,16 @@ fn judge_views(FileReplies { sample, replies }: &FileReplies, list: &mut Checkli
                     list.add_good(format!("{subject}: decoded correctly"));
                     continue;
                 }
-                Some(difference) => fault("wrong-image", &[("difference", &difference)]),
+                Some(difference) => {
+                    let name = if frame.view != view.kind() {
+                        "view-ignored"
+                    } else if frame.channels as usize != expected.channels {
+                        "other-channels"
+                    } else {
+                        "wrong-image"
+                    };
+                    fault(name, &[("difference", &difference)])
+                }
             },
             Answer::Unsupported => {
                 let says = "exited with 69: this view is not offered, which is allowed";
