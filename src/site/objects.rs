@@ -260,7 +260,7 @@ pub(super) fn most_telling_light(
         pairs.map(|(a, b)| u64::from(a.abs_diff(*b))).sum()
     };
     let best = (0..correct.len()).max_by_key(|&light| difference(light));
-    best.filter(|&best| 2 * difference(best) > 3 * difference(preferred))
+    best.filter(|&best| difference(best) > 3 * difference(preferred))
         .unwrap_or(preferred)
 }
 
