@@ -51,7 +51,7 @@ fn commands_have_the_expected_status_and_output() {
 2 | check --no-such-option |
 2 | no-such-command |
 2 | explain no-such-thing |
-2 | reference png x.ptm |
+69 | reference png x.ptm | unknown view
 2 | reference raw no-such-file.ptm |
 2 | check --report no-such-directory/report.yaml --case hand-lum |
 2 | check -- | ptm-conform check -- python3 decode.py
