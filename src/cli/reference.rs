@@ -47,11 +47,11 @@ pub fn run(args: &Args) -> CommandResult {
         (_, None, _) => usage_error("a view needs a file"),
         #[cfg(unix)]
         ("texture", Some(file), None) => super::texture::answer(file),
-        (view, Some(file), None) => match view.parse() {
+        (view, Some(file), None) => match view.parse::<View>() {
             Ok(view) => print_view(&view, file),
             Err(error) => {
-                let says = ptm_suite::Error::to_string(&error);
-                Err(CommandError::refused(file, EXIT_UNSUPPORTED as u8, &says))
+                let status = EXIT_UNSUPPORTED as u8;
+                Err(CommandError::refused(file, status, &error.to_string()))
             }
         },
     }

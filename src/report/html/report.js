@@ -280,7 +280,7 @@ for (const pictures of document.querySelectorAll(".compare")) {
   slide.addEventListener("pointerdown", (event) => { event.preventDefault(); slide.setPointerCapture(event.pointerId); drag(event); });
   slide.addEventListener("pointermove", (event) => { if (event.buttons) { drag(event); } });
   label.append(input);
-  // The scene of the report shows its mistake on the left, where the light of the still image falls.
+  // The first picture is about the received image, so most of it is shown.
   if (pictures.closest(".first")) { move(15); }
   box.append(slide, label);
   pictures.prepend(box);

@@ -192,13 +192,17 @@ fn pytest_has_a_test_for_each_case() {
         def ptm_decoder():\n    return lambda file: ptm_conform.decode(file)[::-1]\n\
         def test_ptm(ptm_case):\n    ptm_case.check()\n";
     here.write("test_ptm.py", tests);
-    let options = "-m pytest -q -rA -p no:cacheprovider -k";
-    let output = python(&options.split(' ').collect::<Vec<_>>())
-        .arg("hand-rgb-blocks or width-zero-lrgb")
-        .env("PYTHONPATH", here.path("unpacked"))
-        .current_dir(here.path(""))
-        .output();
-    let (_, text) = outcome(&output.expect("python3 starts"));
+    let run = |words: &[&str]| {
+        let options = "-m pytest -q -rA -p no:cacheprovider -k".split(' ');
+        let output = python(&options.collect::<Vec<_>>())
+            .args(words)
+            .env("PYTHONPATH", here.path("unpacked"))
+            .current_dir(here.path(""))
+            .output();
+        outcome(&output.expect("python3 starts")).1
+    };
+    let some = "hand-rgb-blocks or width-zero-lrgb";
+    let text = run(&[some]);
     let says = "FAILED test_ptm.py::test_ptm[hand-rgb-blocks] - Failed: && test_ptm[width-zero-lrgb] && causes of PTM failures && 1 of 1: raw: the rows are upside down";
     assert_contains(&text, says);
     // A known failure is expected, and a known failure that passes fails.
@@ -206,16 +210,7 @@ fn pytest_has_a_test_for_each_case() {
         "known.yaml",
         "- id: hand-rgb-blocks\n  reason: rows\n- id: width-zero-lrgb\n",
     );
-    let output = python(&options.split(' ').collect::<Vec<_>>())
-        .args([
-            "hand-rgb-blocks or width-zero-lrgb",
-            "--ptm-baseline",
-            "known.yaml",
-        ])
-        .env("PYTHONPATH", here.path("unpacked"))
-        .current_dir(here.path(""))
-        .output();
-    let (_, text) = outcome(&output.expect("python3 starts"));
+    let text = run(&[some, "--ptm-baseline", "known.yaml"]);
     let says = "XFAIL test_ptm.py::test_ptm[hand-rgb-blocks] - rows: && known failures that pass; remove them from known.yaml && 1 failed && 1 xfailed";
     assert_contains(&text, says);
     // Exceptions that are not declared are named, with their places. Cases of a format that is not read are skipped.
@@ -229,12 +224,7 @@ fn pytest_has_a_test_for_each_case() {
         def ptm_decoder():\n    return {'raw': decode, 'options': ['--jobs', '1']}\n\
         def test_ptm(ptm_case):\n    ptm_case.check()\n";
     here.write("test_ptm.py", tests);
-    let output = python(&options.split(' ').collect::<Vec<_>>())
-        .arg("test_ptm")
-        .env("PYTHONPATH", here.path("unpacked"))
-        .current_dir(here.path(""))
-        .output();
-    let (_, text) = outcome(&output.expect("python3 starts"));
+    let text = run(&["test_ptm"]);
     for part in [
         "not asked: the decoder reads none of the first files of this kind",
         "Damaged is declared neither as malformed nor as unsupported",

@@ -108,7 +108,7 @@ pub(in crate::diagnose) fn describe(
     };
     let [_, swap_fix] = effect_and_fix(Step::Rearranged);
     let swapped = swapped_channels(search, set, cases, &wrong);
-    let (effect, fix) = match (swapped, exchanged_axes(search, set, cases)) {
+    let (effect, fix) = match (swapped, exchanged_axes(search, set, step, cases)) {
         (Some([first, second]), _) => (format!("swaps {first} and {second}"), swap_fix),
         (None, Some(axes)) => (
             format!(
@@ -147,7 +147,16 @@ const AXES: [&str; 3] = ["height", "width", "channels"];
 
 /// Returns the axes of the received arrays, such as "channels, height, width", if all have the sizes of the expected ones in this
 /// order.
-fn exchanged_axes(search: &Search, set: &MistakeSet, cases: &[usize]) -> Option<String> {
+fn exchanged_axes(
+    search: &Search,
+    set: &MistakeSet,
+    step: Step,
+    cases: &[usize],
+) -> Option<String> {
+    // The images of other steps have the expected sizes.
+    if !matches!(step, Step::Size | Step::Channels) {
+        return None;
+    }
     let sizes = |frame: &Frame| [frame.height, frame.width, frame.channels];
     let shapes = cases.iter().map(|&w| {
         let received = search.witnesses[w].wrong_image()?;
