@@ -2,6 +2,7 @@
 
 use super::change::{Change, Changes};
 use super::layout::{flip_rows, top_row_first};
+use super::literal_presets::{self, LiteralPresets};
 use ptm::Coding::{self, Jpeg, JpegLs};
 use ptm::Size;
 use ptm::decode::planes;
@@ -167,6 +168,7 @@ pub const CHANGES: Changes = |slug| {
         "reset-ignored" => {
             |r| r.stream = |plane| decode_with_presets(plane, |segment| segment[9..11].fill(0))
         }
+        "zeros-in-presets-literal" => |r| r.stream = decode_with_literal_presets,
         "presets-kept" => {
             |r| r.reconstruct = |coded, _, reading| decode_reusing_segments(coded, reading, 0xF8)
         }
@@ -381,6 +383,38 @@ fn decode_with_presets(plane: &PlaneStream, edit: fn(&mut [u8])) -> PlaneSamples
             edit(segment);
         }
     })
+}
+
+/// Decodes a plane. A 0 among the preset parameters of its stream does not mean a default value.
+fn decode_with_literal_presets(plane: &PlaneStream) -> PlaneSamples {
+    let samples = planes::decode_stream(plane)?;
+    let ranges = segment_ranges(plane.bytes);
+    let segment = |marker: u8| {
+        let last = ranges.iter().rev().find(|(code, _)| *code == marker);
+        last.map(|(_, range)| &plane.bytes[range.clone()])
+    };
+    let (Some([1, presets @ ..]), Some([1, _, _, near, ..])) = (segment(0xF8), segment(0xDA))
+    else {
+        return Ok(samples);
+    };
+    let numbers: Vec<i64> = (presets.chunks_exact(2))
+        .map(|bytes| i64::from(u16::from_be_bytes([bytes[0], bytes[1]])))
+        .collect();
+    let &[maxval, t1, t2, t3, reset] = &numbers[..] else {
+        return Ok(samples);
+    };
+    if !numbers.contains(&0) {
+        return Ok(samples);
+    }
+    let presets = LiteralPresets {
+        maxval,
+        thresholds: [t1, t2, t3],
+        reset,
+        near: i64::from(*near),
+    };
+    let data = &plane.bytes[ranges.last().expect("a scan header").1.end..];
+    let decoded = literal_presets::decode(data, plane.size, &presets);
+    decoded.map_or_else(|| decode_unless(true, plane), Ok)
 }
 
 /// Returns the zigzag permutation of the positions in a block.

@@ -51,6 +51,9 @@ mod side_information;
 /// §2.9.8: the streams of planes
 mod codecs;
 
+/// §2.9.8: zeros among the preset parameters of JPEG-LS streams
+mod literal_presets;
+
 /// §1.0, §2.4, §2.6 and §2.7: arithmetic of low precision
 mod precision;
 
