@@ -83,38 +83,17 @@ fn is_founded(
 ) -> bool {
     let others = || rules::count_failures_of_the_same_kind(search.witnesses, explained, left);
     let are_refusals = search.mistakes[id].misreading.symptom == Symptom::Refusals;
-    let covers_its_kind = || match is_shown(search, set, id, explained) {
+    let covers_its_kind = || match rules::is_shown(search, set, id, explained) {
         false => others() == 0,
         true => !are_refusals || others() <= explained.len(),
     };
     // Contradictions come last, because the search for them decodes large files.
-    is_shown_by_own_failures(search, set, id, explained)
+    rules::is_shown_by_own_failures(search, set, id, explained)
         && rules::explains_most_of_what_it_changes(search, set, id, explained, left)
         && !refusals::is_part_of_a_larger_group(search.witnesses, explained)
         && !refusals::is_single_among_others(search.witnesses, explained, left)
         && covers_its_kind()
         && !search.is_contradicted_anywhere(&without_id(set, id), id)
-}
-
-/// Returns false if the mistake is shown only by failures that another mistake reproduces, too.
-fn is_shown_by_own_failures(
-    search: &Search,
-    set: &MistakeSet,
-    id: MistakeId,
-    explained: &[usize],
-) -> bool {
-    let others = without_id(set, id);
-    let is_own = |w: &usize| others.iter().all(|&other| !search.explains(*w, &[other]));
-    let own: Vec<usize> = explained.iter().copied().filter(is_own).collect();
-    !is_shown(search, set, id, explained) || is_shown(search, set, id, &own)
-}
-
-/// Returns true if the responses show how the decoder computes. An edit always reproduces images.
-fn is_shown(search: &Search, set: &MistakeSet, id: MistakeId, explained: &[usize]) -> bool {
-    let misreading = search.mistakes[id].unrestricted_misreading();
-    misreading.is_none_or(|misreading| {
-        rules::is_shown_by_responses(search, set, id, misreading, explained)
-    })
 }
 
 fn describe_shares(
@@ -250,7 +229,7 @@ fn diagnose_member(
     let alike: Vec<&'static Misreading> = alike.collect();
     let is_unique = alike.iter().all(|other| other.clause == misreading.clause);
     let is_observation = misreading.symptom != Symptom::Values;
-    if !is_shown(search, set, member.id, explained) || is_observation && !is_unique {
+    if !rules::is_shown(search, set, member.id, explained) || is_observation && !is_unique {
         let candidates = [&[misreading], &alike[..]].concat();
         // A misreading that needs an edit outside the catalog does not look the same.
         let is_in_catalog =

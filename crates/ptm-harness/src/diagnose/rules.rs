@@ -102,6 +102,31 @@ pub(super) fn explains_most_of_what_it_changes(
     changed <= explained.len() && (images == 0 || is_third(images, images + open))
 }
 
+/// *A failure that another mistake of the set reproduces, too, does not show a mistake.*
+pub(super) fn is_shown_by_own_failures(
+    search: &Search,
+    set: &MistakeSet,
+    id: MistakeId,
+    explained: &[usize],
+) -> bool {
+    let others = without_id(set, id);
+    let is_own = |w: &usize| others.iter().all(|&other| !search.explains(*w, &[other]));
+    let own: Vec<usize> = explained.iter().copied().filter(is_own).collect();
+    !is_shown(search, set, id, explained) || is_shown(search, set, id, &own)
+}
+
+/// Returns true if the responses show how the decoder computes. An edit always reproduces images.
+pub(super) fn is_shown(
+    search: &Search,
+    set: &MistakeSet,
+    id: MistakeId,
+    explained: &[usize],
+) -> bool {
+    let misreading = search.mistakes[id].unrestricted_misreading();
+    misreading
+        .is_none_or(|misreading| is_shown_by_responses(search, set, id, misreading, explained))
+}
+
 /// *A mechanism is named only if whole images equal its output.*
 ///
 /// From refusals follows only an observation, and so it does from acceptances: the image of a malformed file that is that of its
