@@ -199,6 +199,7 @@ fn misplaced_samples_are_explained() {
     let table = r#"
 b"".join(b"".join(row) for row in reversed(ROWS)) | the rows are upside down && start the frame with the top row
 b"".join(b"".join(reversed(row)) for row in ROWS) | the rows are mirrored, right to left
+b"".join(t[::-1] for t in reversed(ptm.texels)) | the samples are in reverse order && start with the first channel
 b"".join(reversed(ptm.texels)) | the rows are upside down; and the rows are mirrored, right to left
 b"".join(map(bytes, zip(*ptm.texels))) | one whole plane per channel && (interleaved)
 b"".join(bytes(c) for row in ROWS for c in zip(*row)) | planar within each row

@@ -10,7 +10,7 @@ use super::message::{ProbeFault, fault};
 const LAYOUTS: [&str; 4] = ["", "planar", "planar-rows", "column-major"];
 
 /// Names of the possible channel orders. The empty name stands for the correct order.
-const ORDERS: [&str; 7] = [
+const ORDERS: [&str; 8] = [
     "",
     "bgr",
     "cb-first",
@@ -18,7 +18,11 @@ const ORDERS: [&str; 7] = [
     "color-first",
     "coefficients-backward",
     "by-coefficient",
+    REVERSED,
 ];
+
+/// Order of the channels of an image whose samples are written from the last to the first.
+const REVERSED: &str = "reversed";
 
 /// An order of samples for images with any number of channels.
 #[derive(Clone, Copy, Debug)]
@@ -30,14 +34,21 @@ pub(in crate::session) struct Arrangement {
 }
 
 impl Arrangement {
+    /// Returns all arrangements, the correct one first. Channels are reversed only if rows and columns are, too.
     pub(in crate::session) fn all() -> impl Iterator<Item = Arrangement> {
         let count = LAYOUTS.len() * ORDERS.len() * 4;
-        (0..count).map(|i| Arrangement {
+        let all = (0..count).map(|i| Arrangement {
             layout: LAYOUTS[i / 4 / ORDERS.len()],
             order: ORDERS[i / 4 % ORDERS.len()],
             upside_down: i & 2 != 0,
             mirrored: i & 1 != 0,
-        })
+        });
+        all.filter(|one| one.order != REVERSED || one.is_reversed())
+    }
+
+    /// Returns true if the samples are written from the last to the first.
+    fn is_reversed(&self) -> bool {
+        self.layout.is_empty() && self.order == REVERSED && self.upside_down && self.mirrored
     }
 
     /// Returns the index of each sample in an image with this arrangement. The indices are in the order of the samples of a
@@ -78,6 +89,9 @@ impl Arrangement {
 
     /// Returns the mistakes that lead to this arrangement; empty for the correct arrangement.
     pub(in crate::session) fn mistakes(&self) -> Vec<ProbeFault> {
+        if self.is_reversed() {
+            return vec![fault(REVERSED, &[])];
+        }
         let upside_down = if self.upside_down { "upside-down" } else { "" };
         let mirrored = if self.mirrored { "mirrored" } else { "" };
         let names = [self.layout, self.order, upside_down, mirrored].into_iter();
@@ -106,6 +120,7 @@ fn channel_order(name: &str, channels: usize) -> Option<Vec<usize>> {
     let list = |place: fn(usize, usize) -> usize| (0..18).map(|c| place(c / 6, c % 6)).collect();
     Some(match (channels, name) {
         (_, "") => (0..channels).collect(),
+        (_, REVERSED) => (0..channels).rev().collect(),
         (3, "bgr") => vec![2, 1, 0],
         (8, "cb-first") => vec![0, 1, 2, 3, 4, 5, 7, 6],
         (8, "chroma-first") => vec![2, 3, 4, 5, 6, 7, 0, 1],
