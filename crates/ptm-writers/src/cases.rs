@@ -6,8 +6,9 @@ use serde::Deserialize;
 
 use crate::reference::write_requested_file;
 use crate::request::{PredictionAdvice, RequestHeader, WriteRequest};
-use crate::test_case::{BuiltRequest, FileCase, RequestValues};
+use crate::test_case::{BuiltRequest, ComparedFrames, FileCase, RequestValues};
 use crate::{diagnose::diagnose, fault::WriterFault, judge::judge};
+use ptm::decode::decode;
 use ptm::{Coding, Format, ScaleBias};
 use ptm_files::join_texts;
 use ptm_generate::{Model, Recipe, plan::Residuals, recipe::Indices};
@@ -17,6 +18,7 @@ use ptm_harness::session::run::RunOf;
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::kit::yaml::records;
+use ptm_suite::protocol::frame::{Frame, Samples, ViewKind};
 use ptm_suite::{name::SuiteName, recipes::MakeRecord, words::Words};
 
 /// YAML source of the embedded requests.
@@ -171,6 +173,23 @@ impl RequestValues for Recipe {
 
     fn reference_file(request: &WriteRequest, _: Format) -> Option<Vec<u8>> {
         write_requested_file(request).ok()
+    }
+
+    /// Compares all planes, unless they may differ because of lossy compression.
+    fn images(request: &WriteRequest, format: Format, file: &[u8]) -> Option<ComparedFrames> {
+        let ptm = decode(file).ok()?;
+        let channels = format.channels();
+        let is_comparable = ptm.planes.samples.len() == request.samples.len()
+            && (ptm.header.size.width, ptm.header.size.height)
+                == (request.header.width, request.header.height);
+        let shape = [request.header.width, request.header.height, channels as u32];
+        let frame =
+            |samples: &[u8]| Frame::exact(ViewKind::Raw, shape, Samples::U8(samples.to_vec()));
+        (is_comparable && !request.is_lossy()).then(|| ComparedFrames {
+            caption: "The planes: requested and written".to_owned(),
+            expected: frame(&request.samples),
+            written: frame(&ptm.planes.samples),
+        })
     }
 
     fn to_bytes(built: &BuiltRequest<WriteRequest>) -> Vec<u8> {

@@ -7,7 +7,7 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-use crate::fault::WriterFault;
+use crate::fault::{FaultKind, WriterFault};
 use crate::misread_file::{MisreadFile, explains, is_right_only_with};
 use crate::test_case::{FileCase, RequestValues, wrong_file};
 use crate::{reference::write_requested_file, request::WriteRequest};
@@ -188,16 +188,16 @@ pub(super) fn describe_differences<V: RequestValues>(
     run: &RunOf<FileCase<V>>,
     failing: &[usize],
 ) -> Vec<WriterDiagnosis> {
-    let mut groups: BTreeMap<&str, Vec<(usize, &WriterFault)>> = BTreeMap::new();
+    let mut groups: BTreeMap<(FaultKind, &str), Vec<(usize, &WriterFault)>> = BTreeMap::new();
     for &index in failing {
         if let Some((_, fault)) = wrong_file(run.observations[index].as_ref()) {
-            let group = groups.entry(&fault.clause).or_default();
+            let group = groups.entry((fault.kind, &fault.clause)).or_default();
             group.push((index, fault));
         }
     }
     let mut diagnoses: Vec<WriterDiagnosis> = groups
         .into_iter()
-        .map(|(clause, faults)| {
+        .map(|((_, clause), faults)| {
             let (index, fault) = faults[0];
             let example = format!("for example {}: {fault}", suite.cases[index].id);
             let cause = describe(clause, effect_and_fix(clause, fault), example);
@@ -219,10 +219,27 @@ pub(super) fn describe<A>(clause: &str, (effect, fix): (&str, &str), example: St
     }
 }
 
+fn or_default(text: &'static str, default: &'static str) -> &'static str {
+    if text.is_empty() { default } else { text }
+}
+
 fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static str) {
-    let clause = if fault.is_refusal { "refused" } else { clause };
+    match fault.kind {
+        FaultKind::Refused => {
+            let effect = "writes files that the reference refuses";
+            return (
+                effect,
+                or_default(fault.fix, "check the byte that the example names"),
+            );
+        }
+        FaultKind::LintError => {
+            let effect =
+                "writes files in which lint finds an error, although their values are right";
+            return (effect, or_default(fault.fix, "see the example"));
+        }
+        FaultKind::Different => {}
+    }
     let effect = match clause {
-        "refused" => "writes files that the reference refuses",
         "1.0/1" => "fits the images worse than the best possible map",
         "2.2/1" => "writes a different format than requested",
         "2.3/1" => "writes a different size than requested",
@@ -237,7 +254,6 @@ fn effect_and_fix(clause: &str, fault: &WriterFault) -> (&'static str, &'static 
         _ => "writes different values than requested",
     };
     let fix = match clause {
-        "refused" => "check the byte that the example names",
         "1.0/1" => "compare the images under the light direction in the example",
         "2.2/1" => "write the format of the request, or exit with 69",
         "2.3/1" => "write the width, then the height",

@@ -9,8 +9,21 @@ pub struct WriterFault {
     pub clause: String,
     /// Description of the difference.
     pub message: String,
-    /// True if the reference refuses the file.
-    pub is_refusal: bool,
+    /// What is wrong with the file.
+    pub kind: FaultKind,
+    /// Suggested fix; empty if the kind and the clause suggest one.
+    pub fix: &'static str,
+}
+
+/// Kinds of faults.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum FaultKind {
+    /// The reference refuses the file.
+    Refused,
+    /// The file has the requested values, but `lint` finds an error.
+    LintError,
+    /// The file has other values than requested.
+    Different,
 }
 
 impl WriterFault {
@@ -18,7 +31,8 @@ impl WriterFault {
         WriterFault {
             clause: clause.to_owned(),
             message: message.into(),
-            is_refusal: false,
+            kind: FaultKind::Different,
+            fix: "",
         }
     }
 }

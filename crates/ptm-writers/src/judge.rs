@@ -5,12 +5,14 @@
 
 use std::fmt::Write;
 
-use crate::{fault::WriterFault, request::WriteRequest};
+use crate::fault::{FaultKind, WriterFault};
+use crate::request::WriteRequest;
 use ptm::decode::texels::block_containing;
 use ptm::error::Error;
 use ptm::{Format, Ptm, Shape, Size, Storage, channel_name};
 use ptm_files::dissection::{Dissection, Role};
-use ptm_files::{join_texts, lint::codes::Severity, lint::lint};
+use ptm_files::join_texts;
+use ptm_files::lint::{codes::Severity, diagnostic::Diagnostic, lint};
 
 /// Relative tolerance for header numbers: one rounding to `f32`.
 pub(super) const NUMBER_TOLERANCE: f64 = 1e-6;
@@ -35,14 +37,24 @@ pub fn judge(request: &WriteRequest, file: &[u8]) -> Result<(), WriterFault> {
 }
 
 pub(super) fn check_lint(file: &[u8]) -> Result<(), WriterFault> {
-    match lint(file).first() {
-        Some(first) if first.severity == Severity::Error => {
+    match first_error(file) {
+        Some(first) => {
             let problem = format!("{} ({})", first.message, first.found);
             let says = format!("lint {} at byte {}: {problem}", first.code, first.offset);
-            Err(WriterFault::new(first.clause, says))
+            Err(WriterFault {
+                kind: FaultKind::LintError,
+                fix: first.fix,
+                ..WriterFault::new(first.clause, says)
+            })
         }
-        _ => Ok(()),
+        None => Ok(()),
     }
+}
+
+/// Returns the first error that `lint` finds in a file.
+fn first_error(file: &[u8]) -> Option<Diagnostic> {
+    let mut found = lint(file).into_iter();
+    found.find(|found| found.severity == Severity::Error)
 }
 
 /// Describes why the reference refuses a file. Includes the bytes at the error.
@@ -55,7 +67,8 @@ pub(super) fn refusal(file: &[u8], error: &Error) -> WriterFault {
     };
     let says = format!("the reference refuses the file: {error}; {bytes}");
     WriterFault {
-        is_refusal: true,
+        kind: FaultKind::Refused,
+        fix: first_error(file).map_or("", |found| found.fix),
         ..WriterFault::new(error.clause(), says)
     }
 }

@@ -17,6 +17,7 @@ use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Expect, Suite, TableSpelling};
 use ptm_suite::dialect::{Choices, RightDialects};
 use ptm_suite::kit::digest::sha256;
+use ptm_suite::protocol::frame::Frame;
 use ptm_suite::test_case::{Allowance, Comparison, Listed, Output, TestCase};
 use ptm_suite::verdicts::observation::{Observation, Response};
 use ptm_suite::{features::Feature, name::SuiteName};
@@ -87,6 +88,16 @@ pub struct BuiltRequest<R> {
     pub size: Size,
 }
 
+/// Images of what was requested and of what a file contains.
+pub struct ComparedFrames {
+    /// What the images show.
+    pub caption: String,
+    /// Requested values, or the best possible ones.
+    pub expected: Frame,
+    /// Values of the file.
+    pub written: Frame,
+}
+
 /// Values from which a file is written: a map, or photographs.
 pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     /// Request with all values.
@@ -121,6 +132,8 @@ pub trait RequestValues: Clone + fmt::Debug + Send + Sync + 'static {
     fn judge(request: &Self::Request, format: Format, file: &[u8]) -> Result<(), WriterFault>;
     /// Returns the file that the reference writes, if it can.
     fn reference_file(request: &Self::Request, format: Format) -> Option<Vec<u8>>;
+    /// Returns images of the requested and of the written values, if a file can be compared in this way.
+    fn images(request: &Self::Request, format: Format, file: &[u8]) -> Option<ComparedFrames>;
     /// Returns all values as bytes, for the digest of the suite.
     fn to_bytes(built: &BuiltRequest<Self::Request>) -> Vec<u8>;
     /// Returns a caption, and text that describes the request on a page.

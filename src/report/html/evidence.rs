@@ -22,7 +22,7 @@ use ptm_suite::protocol::frame::{Frame, View, ViewKind};
 use ptm_suite::test_case::Listed;
 use ptm_suite::texture::cases::TextureCase;
 use ptm_suite::verdicts::observation::{Observation, ObservationOf, Response};
-use ptm_writers::test_case::{FileCase, RequestValues, wrong_file};
+use ptm_writers::test_case::{ComparedFrames, FileCase, RequestValues, wrong_file};
 
 /// What a page shows of a run, in addition to the report.
 pub struct Evidence<'a> {
@@ -272,6 +272,22 @@ fn excerpt(file: &[u8], range: &Range<usize>) -> Markup {
     }
 }
 
+/// Renders the images of a written file and of what was requested, unless they are equal.
+fn compared_frames(images: &ComparedFrames) -> Markup {
+    let expected = Expected::from_frame(&images.expected);
+    let first = match expected.compare(&images.written) {
+        Some(Difference::Samples { x, y, .. }) => (x, y),
+        _ => return Markup::default(),
+    };
+    let start = (first.1 * expected.size.width as usize + first.0) * expected.channels;
+    let is_wrong = |c: &usize| !expected.is_near(start + c, images.written.samples.real(start + c));
+    let channel = (0..expected.channels).find(is_wrong).unwrap_or_default();
+    html! {
+        p.label { (images.caption) }
+        @if let Some(figure) = figures::figure(&expected, &images.written, (first.0, first.1, channel)) { (figure) }
+    }
+}
+
 /// Maximum number of bytes of a wrong file that a page displays.
 const MAX_DISPLAYED_BYTES: usize = 512;
 
@@ -282,8 +298,11 @@ pub fn file_evidence<V: RequestValues>(
     observation: &ObservationOf<FileCase<V>>,
 ) -> Markup {
     let file = wrong_file(Some(observation)).map(|(file, _)| file);
-    let (caption, text) = V::describe(&case.values.build(case.format));
+    let built = case.values.build(case.format);
+    let (caption, text) = V::describe(&built);
+    let images = file.and_then(|file| V::images(&built.request, case.format, file));
     html! {
+        @if let Some(images) = images { (compared_frames(&images)) }
         p.label { (caption) }
         pre.bytes tabindex="0" { (text) }
         @if let Some(file) = file {

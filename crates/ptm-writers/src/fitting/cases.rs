@@ -3,12 +3,13 @@
 use std::collections::BTreeMap;
 
 use crate::diagnose::{describe, describe_differences};
+use crate::fault::WriterFault;
+use crate::fitting::judge::{compare_worst_light, judge};
 use crate::fitting::mistakes::{MISTAKES, WrongMap};
 use crate::fitting::optimum::{is_determined, optimum};
 use crate::fitting::photographs::{Encoding, FORMATS, FitRequest, ImageSet};
 use crate::fitting::sets::{SETS, SetPlan};
-use crate::test_case::{BuiltRequest, FileCase, RequestValues, wrong_file};
-use crate::{fault::WriterFault, fitting::judge::judge};
+use crate::test_case::{BuiltRequest, ComparedFrames, FileCase, RequestValues, wrong_file};
 use crate::{reference::write_requested_file, request::WriteRequest};
 use ptm::Format;
 use ptm_harness::diagnose::Diagnosis;
@@ -135,6 +136,10 @@ impl RequestValues for ImageSource {
     fn reference_file(request: &SentImages, format: Format) -> Option<Vec<u8>> {
         let map = optimum(&request.set, format);
         write_requested_file(&WriteRequest::from_ptm(&map)).ok()
+    }
+
+    fn images(request: &SentImages, format: Format, file: &[u8]) -> Option<ComparedFrames> {
+        compare_worst_light(&request.set, format, file)
     }
 
     fn to_bytes(built: &BuiltRequest<SentImages>) -> Vec<u8> {
