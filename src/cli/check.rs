@@ -183,7 +183,7 @@ fn supported_formats(program: &Decoder, suite: &Suite, scratch: &Scratch) -> Vec
 }
 
 /// Prints the ids of the selected cases. Returns the exit status.
-fn list_cases<C: Listed>(suite: &Suite<C>, selected: &[bool]) -> u8 {
+pub(super) fn list_cases<C: Listed>(suite: &Suite<C>, selected: &[bool]) -> u8 {
     let cases = suite.cases.iter().zip(selected);
     for (case, _) in cases.filter(|(_, selected)| **selected) {
         print(&format!("{}\n", case.id()));

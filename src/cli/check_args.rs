@@ -79,7 +79,8 @@ pub struct CheckArgs {
     /// Check every .ptm file in DIR instead of the suite, against the reference and against other encodings of the same values.
     #[arg(long, value_name = "DIR")]
     pub files: Option<PathBuf>,
-    /// Print the ids of the selected cases, one per line, and request nothing.
+    /// Print the ids of the selected cases, one per line, and request nothing. --smoke --list prints the subset for decoders of all
+    /// formats, or of those that --ptm-format names.
     #[arg(long)]
     pub list: bool,
     /// End the run after the first failure.

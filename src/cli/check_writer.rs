@@ -9,6 +9,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 use super::arguments::{id_filter, parse_success};
+use super::check::list_cases;
 use super::ending::{OutputArgs, ReportWriter};
 use super::guard::{ScratchGuard, stop_on_signals};
 use super::subject::{decoder_for_command, decoder_from_template};
@@ -54,6 +55,12 @@ pub struct CheckWriterArgs {
     /// Run only requests whose id matches; * and ? are wildcards. Repeatable.
     #[arg(long = "case", value_name = "GLOB")]
     cases: Vec<String>,
+    /// Skip requests whose id matches; * and ? are wildcards. Repeatable.
+    #[arg(long = "skip", value_name = "GLOB")]
+    skipped: Vec<String>,
+    /// Print the ids of the selected requests, one per line, and request nothing.
+    #[arg(long)]
+    list: bool,
     /// Run only the smoke subset: a few requests for each format.
     #[arg(long)]
     smoke: bool,
@@ -120,15 +127,20 @@ fn check<V: RequestValues>(
     stop: &Arc<AtomicBool>,
 ) -> CommandResult {
     let is_named = id_filter("--case", &args.cases)?;
+    let is_skipped = id_filter("--skip", &args.skipped)?;
     let matches = |case: &FileCase<V>| {
         is_named(&case.id)
+            && (args.skipped.is_empty() || !is_skipped(&case.id))
             && (args.formats.is_empty() || args.formats.contains(&case.format))
             && (!args.smoke || case.smoke)
     };
     let selected: Vec<bool> = suite.cases.iter().map(matches).collect();
     if !selected.contains(&true) {
-        let says = "no request matches --case, --ptm-format and --smoke";
+        let says = "no request matches --case, --skip, --ptm-format and --smoke";
         return Err(CommandError::new(EXIT_NOTHING_SELECTED, says));
+    }
+    if args.list {
+        return Ok(list_cases(suite, &selected));
     }
     let (program, words) = args.writer::<V>(stop)?;
     let guarded = ScratchGuard::new()?;

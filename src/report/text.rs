@@ -60,18 +60,19 @@ pub fn first_verdicts_to_text(first: &FirstVerdicts) -> String {
     if *failed == 0 {
         return format!("the first {judged} cases, chosen from all clauses: none failed");
     }
-    let mut clauses: Vec<(&String, &usize)> = failing_clauses.iter().collect();
-    clauses.sort_by_key(|(_, count)| Reverse(**count));
+    // Clauses of which most cases fail come first, and of these, clauses with many cases.
+    let mut clauses: Vec<(&String, &(usize, usize))> = failing_clauses.iter().collect();
+    clauses.sort_by_key(|(_, (failing, all))| Reverse(1000 * failing * failing / all));
     let listed = clauses.iter().take(MAX_FIRST_CLAUSES);
     let listed: Vec<String> = listed
-        .map(|(clause, count)| format!("{clause} ({count})"))
+        .map(|(clause, (failing, all))| format!("{clause} ({failing} of {all})"))
         .collect();
     let more = match clauses.len().saturating_sub(MAX_FIRST_CLAUSES) {
         0 => String::new(),
         more => format!(", and {more} more"),
     };
     format!(
-        "the first {judged} cases, chosen from all clauses: {failed} failed, in clauses {}{more}",
+        "the first {judged} cases, chosen from all clauses: {failed} failed; by clause: {}{more}",
         listed.join(", ")
     )
 }

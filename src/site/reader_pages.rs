@@ -107,9 +107,8 @@ fn page(context: PageContext, reader: &str) -> SiteFile {
     let body = html! {
         h1 { (reader) }
         @if let Some(object) = objects::reader(context, reader) { (object) }
-        @if let Some(run) = run { (run_results(context, run)) }
+        @if let Some(run) = run { (run_facts(context, run)) }
         @else { p { "The suite was not run on this reader. This page is based on its source code." } }
-        @if let Some(profile) = profile(reader) { (render_profile(profile)) }
         @if !mistakes.is_empty() {
             h2 { "Known mistakes" }
             ul { @for misreading in mistakes {
@@ -123,6 +122,8 @@ fn page(context: PageContext, reader: &str) -> SiteFile {
                 li { "The reader " (behavior.effect) " (ruling " (context.link(ruling)) ")." }
             } }
         }
+        @if let Some(profile) = profile(reader) { (render_profile(profile)) }
+        @if let Some(run) = run { (run_results(context, run)) }
     };
     context.entry("Readers", reader, reader, &body)
 }
@@ -154,13 +155,8 @@ fn render_profile(profile: &ReaderProfile) -> Markup {
     }
 }
 
-fn run_results(context: PageContext, run: &ReaderRun) -> Markup {
-    let tallies = tallies(context, run);
-    let failing = |clause: &&Clause| {
-        let tally = tallies.get(clause.id.as_str());
-        tally.is_some_and(|tally| tally.failed > 0)
-    };
-    let clauses: Vec<&Clause> = context.library.clauses.iter().filter(failing).collect();
+/// Renders what was run, when, and how it ended.
+fn run_facts(context: PageContext, run: &ReaderRun) -> Markup {
     html! {
         dl.facts {
             dt { "Source" } dd { a href=(run.source) { (run.source) } " (" (run.language) ")" }
@@ -170,6 +166,18 @@ fn run_results(context: PageContext, run: &ReaderRun) -> Markup {
             dt { "Outcomes" } dd { (run.counts()) }
         }
         @for remark in &run.remarks { p.note { (context.prose(remark)) } }
+    }
+}
+
+/// Renders the clauses with failing cases, and all cases by outcome.
+fn run_results(context: PageContext, run: &ReaderRun) -> Markup {
+    let tallies = tallies(context, run);
+    let failing = |clause: &&Clause| {
+        let tally = tallies.get(clause.id.as_str());
+        tally.is_some_and(|tally| tally.failed > 0)
+    };
+    let clauses: Vec<&Clause> = context.library.clauses.iter().filter(failing).collect();
+    html! {
         h2 { "Clauses with failing cases" }
         @if clauses.is_empty() { p { "None." } }
         ul { @for clause in clauses {

@@ -363,16 +363,20 @@ fn first_verdicts<C: Checkable>(
     observations: &ObservationsOf<C>,
 ) -> FirstVerdicts {
     let judgment = session.partial_judgment(contact, observations);
-    let mut failing_clauses = BTreeMap::new();
-    for i in judgment.with_outcome(Outcome::Fail) {
-        if let Some(clause) = suite.cases[i].clauses().first() {
-            *failing_clauses.entry(clause.clone()).or_default() += 1;
+    let mut clauses: BTreeMap<String, (usize, usize)> = BTreeMap::new();
+    for (case, judged) in suite.cases.iter().zip(&judgment.cases) {
+        let Some(judged) = judged else { continue };
+        for clause in case.clauses() {
+            let (failing, all) = clauses.entry(clause.clone()).or_default();
+            *failing += usize::from(judged.outcome == Outcome::Fail);
+            *all += 1;
         }
     }
+    clauses.retain(|_, (failing, _)| *failing > 0);
     FirstVerdicts {
         judged: judgment.cases.iter().flatten().count(),
         failed: judgment.with_outcome(Outcome::Fail).count(),
-        failing_clauses,
+        failing_clauses: clauses,
     }
 }
 

@@ -68,8 +68,8 @@ pub struct FirstVerdicts {
     pub judged: usize,
     /// Number of cases that failed.
     pub failed: usize,
-    /// For each clause that is the main one of a failing case, the number of these cases.
-    pub failing_clauses: BTreeMap<String, usize>,
+    /// For each clause that a failing case tests, the numbers of failing and of judged cases that test it.
+    pub failing_clauses: BTreeMap<String, (usize, usize)>,
 }
 
 /// Observer of a check. Every method is called when something has happened, and does nothing by default.
