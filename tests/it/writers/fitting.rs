@@ -190,13 +190,20 @@ fn faulty_fitters_fail_with_the_cause() {
         let is_named = first.is_some_and(|first| first.contains(&words));
         assert!(is_named, "{replace}: {words}\n{}", checked.text);
     }
-    // A mistake that is not in the list resembles a gamma in one set of dark images only.
+    // This mistake resembles a gamma in one set of dark images.
     let here = Workspace::new();
     let mean = "luminance, color = split_color(design, coefficients); luminance = coefficients.mean(axis=2); color = np.clip(np.round(texels.reshape(len(images), -1, 3).mean(axis=0)), 0, 255)";
     let split = "luminance, color = split_color(design, coefficients)";
     here.write("fitter.py", edit(&source, split, mean));
     let checked = here.check_writer("--fitter --ptm-format LRGB -- python3 fitter.py");
     checked.assert_exit(1, "");
+    assert!(
+        checked
+            .text
+            .contains("colors that still contain the luminance"),
+        "{}",
+        checked.text
+    );
     assert!(!checked.text.contains("gamma"), "{}", checked.text);
 }
 

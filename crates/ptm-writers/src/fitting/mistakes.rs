@@ -46,6 +46,8 @@ enum Criterion {
     Numbers([usize; 6], fn(f64, f64, f64) -> f64),
     /// The map is right if each texel has all its values in one place.
     Texels,
+    /// The map is near the best fit, darkened in each texel by the brightness of the stored color.
+    DarkenedByColor,
     /// The map satisfies this predicate.
     Map(fn(&WrongMap) -> bool),
 }
@@ -81,17 +83,28 @@ impl WrongMap {
                 let mut changed = self.set.clone();
                 change(&mut changed);
                 let lights = directions(&changed);
-                return self.compare(&FittedMap::new(&changed, &lights, self.format));
+                return self.compare(&FittedMap::new(&changed, &lights, self.format).polynomials());
             }
             Criterion::Lights(light) => {
                 let lights: Vec<_> = self.set.photographs.iter().map(light).collect();
-                return self.compare(&FittedMap::new(&self.set, &lights, self.format));
+                return self
+                    .compare(&FittedMap::new(&self.set, &lights, self.format).polynomials());
             }
             Criterion::Numbers(order, value) => self.is_right(&self.ptm, order, value),
             Criterion::Texels => {
                 let mut ptm = self.ptm.clone();
                 ptm.planes.samples = self.samples_without_blocks();
                 self.is_right(&ptm, CLAUSE_ORDER, |raw, scale, bias| (raw - bias) * scale)
+            }
+            Criterion::DarkenedByColor => {
+                if self.format != Format::Lrgb {
+                    return None;
+                }
+                let verdicts =
+                    LUMINANCE_WEIGHTS.map(|weights| self.compare(&self.darkened(weights)));
+                return verdicts
+                    .into_iter()
+                    .max_by_key(|&verdict| verdict == Some(true))?;
             }
             Criterion::Map(predicate) => predicate(self),
         };
@@ -100,13 +113,24 @@ impl WrongMap {
 
     /// Returns `Some(true)` if the map is near `other`, relative to the distance between the map and the optimum, and `Some(false)`
     /// if it is not, although `other` is far from the optimum.
-    fn compare(&self, other: &FittedMap) -> Option<bool> {
-        let (other, best) = (other.polynomials(), self.best.polynomials());
+    fn compare(&self, other: &Polynomials) -> Option<bool> {
+        let best = self.best.polynomials();
         let from_best = self.found.distance(&best, &self.set);
-        match self.found.distance(&other, &self.set) < 1.0 + 0.1 * from_best {
+        match self.found.distance(other, &self.set) < 1.0 + 0.1 * from_best {
             true => Some(true),
             false => (other.distance(&best, &self.set) > 2.0).then_some(false),
         }
+    }
+
+    /// Returns the best map, multiplied in each texel by the luminance of the stored color.
+    fn darkened(&self, weights: [f64; 3]) -> Polynomials {
+        let texels = self.ptm.planes.texels().zip(self.best.polynomials().0);
+        let texels = texels.map(|(stored, best)| {
+            let weighted = weights.iter().zip(&stored[6..9]);
+            let luminance: f64 = weighted.map(|(w, &c)| w * f64::from(c)).sum();
+            best.map(|polynomial| polynomial.map(|a| a * luminance / 255.0))
+        });
+        Polynomials(texels.collect())
     }
 
     /// Returns the samples, top row first, of a reader that takes the bytes of the blocks as texels with all their values.
@@ -157,6 +181,13 @@ impl WrongMap {
         pairs.into_iter().map(to_raw).collect()
     }
 }
+
+/// Weights of red, green and blue in a luminance: their mean, BT.601 and BT.709.
+const LUMINANCE_WEIGHTS: [[f64; 3]; 3] = [
+    [1.0 / 3.0; 3],
+    [0.299, 0.587, 0.114],
+    [0.2126, 0.7152, 0.0722],
+];
 
 /// Order of the coefficients in clause 1.0/1.
 const CLAUSE_ORDER: [usize; 6] = [0, 1, 2, 3, 4, 5];
@@ -281,6 +312,7 @@ impl FitMistake {
             "coefficients-reversed" => {
                 Numbers([5, 4, 3, 2, 1, 0], |raw, scale, bias| (raw - bias) * scale)
             }
+            "luminance-in-the-color" => Criterion::DarkenedByColor,
             "unconstrained" => Map(has_huge_coefficients),
             "coefficients-clamped" => Map(has_clamped_values),
             "scales-too-coarse" => Map(has_wide_steps),
