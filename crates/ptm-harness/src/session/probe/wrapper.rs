@@ -156,7 +156,8 @@ fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<Probe
         _ if calls.command.is_empty() => return None,
         _ => {}
     }
-    let known = calls.explain_no_frame(&first.file, &first.expected, first.view, first.reply);
+    let no_frame = || calls.explain_no_frame(&first.file, &first.expected, first.view, first.reply);
+    let known = calls.check_command().err().or_else(no_frame);
     // The answer itself has already been reported.
     let unknown = || {
         (
