@@ -64,6 +64,8 @@
         for (const { fold, inside } of folds) {
           fold.open = inside.some((element) => !element.hidden) && (fold.open || fold.classList.contains("more") || count < 200);
         }
+        const only = count === 1 && all.find(({ element }) => !element.hidden).element;
+        if (only && only.tagName === "DETAILS") { only.open = true; }
       } else if (before) {
         folds.forEach(({ fold }, i) => { fold.open = before[i]; });
         before = undefined;
