@@ -452,6 +452,39 @@ fn a_decoder_that_shows_only_zeros_does_not_show_how_it_reads_a_number() {
     assert_all_true(reports);
 }
 
+/// A decoder that ignores biases shows the same image of a file with a fractional bias and of its legal twin. A decoder that cuts the
+/// fraction would show another image.
+#[test]
+fn what_would_look_the_same_needs_no_other_mistake() {
+    let mistakes = ["bias-ignored", "bias-fraction-cut"].map(misreading);
+    printed_report(&cases(is_uncompressed), |request| {
+        answer_with(&mistakes, request)
+    })
+    .says(&["does not use the biases"])
+    .says(&["accepts malformed files", "a bias is 128.5"])
+    .never_says("drops the fractional part")
+    .assert_true();
+}
+
+/// The decoder refuses every map with a table and more than one texel. Most of them use the last entry of the table, but those that
+/// do not are refused, too.
+#[test]
+fn refusals_are_not_explained_by_what_does_not_separate_them() {
+    printed_report(&cases(is_uncompressed), |request| {
+        let answer = reference_answer(request);
+        let has_table = request.file.windows(4).any(|bytes| bytes == b"_LUT");
+        match &answer {
+            Answer::Decoded(frame) if has_table && frame.width * frame.height > 1 => {
+                Answer::Rejected
+            }
+            _ => answer,
+        }
+    })
+    .says(&["refuses", "legal files of PTM_LUT, PTM_C_LUT"])
+    .never_says("the index of the last entry")
+    .assert_true();
+}
+
 /// The decoder writes arrays of (channels, height, width), as many libraries for images and machine learning do.
 #[test]
 fn exchanged_axes_are_named() {

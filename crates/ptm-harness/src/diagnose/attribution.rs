@@ -83,9 +83,10 @@ fn is_founded(
 ) -> bool {
     let others = || rules::count_failures_of_the_same_kind(search.witnesses, explained, left);
     let are_refusals = search.mistakes[id].misreading.symptom == Symptom::Refusals;
+    let read = || rules::count_files_read(search.witnesses, explained);
     let covers_its_kind = || match rules::is_shown(search, set, id, explained) {
         false => others() == 0,
-        true => !are_refusals || others() <= explained.len(),
+        true => !are_refusals || others() <= explained.len().min(read()),
     };
     // Contradictions come last, because the search for them decodes large files.
     rules::is_shown_by_own_failures(search, set, id, explained)
@@ -231,7 +232,8 @@ fn diagnose_member(
     let is_observation = misreading.symptom != Symptom::Values;
     if !rules::is_shown(search, set, member.id, explained) || is_observation && !is_unique {
         let candidates = [&[misreading], &alike[..]].concat();
-        // A misreading that needs an edit outside the catalog does not look the same.
+        // A misreading that needs an edit outside the catalog does not look the same, and one that changes values must do so alone:
+        // together with another mistake, its values may not show.
         let is_in_catalog =
             |&id: &MistakeId| search.mistakes[id].unrestricted_misreading().is_some();
         let others = without_id(set, member.id).into_iter().filter(is_in_catalog);
@@ -242,6 +244,10 @@ fn diagnose_member(
                 other.is_some_and(|other| other.slug == misreading.slug)
             };
             let id = (0..search.mistakes.len()).find(is_same);
+            let others = match misreading.symptom {
+                Symptom::Values => &[][..],
+                _ => &others,
+            };
             let set: MistakeSet = others.iter().copied().chain(id).collect();
             explained.iter().all(|&w| search.explains(w, &set))
         };

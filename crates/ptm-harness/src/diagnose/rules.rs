@@ -174,6 +174,21 @@ pub(super) fn count_failures_of_the_same_kind(
     left.iter().filter(has_kind).count()
 }
 
+/// *A refusal is explained by what separates the file from those that the decoder reads.*
+///
+/// Counts the images of legal files that have the formats of `cases`. If the decoder refuses more of the files that a misreading
+/// does not refuse than it reads, the misreading does not separate the two.
+pub(super) fn count_files_read(witnesses: &[Witness], cases: &[usize]) -> usize {
+    let has_format = |witness: &Witness| {
+        let mut formats = cases.iter().map(|&w| witnesses[w].case.format());
+        formats.any(|format| format == witness.case.format())
+    };
+    let images = witnesses
+        .iter()
+        .filter(|witness| witness.is_image_of_legal_file());
+    images.filter(|witness| has_format(witness)).count()
+}
+
 /// *"Would look the same" is said only after the outputs for all these files have been compared.*
 ///
 /// Returns true if decoders with `other` and with `id` give the same answers to the cases in `explained`, whole images included.

@@ -344,7 +344,9 @@ impl Witness<'_> {
         if *answer == self.expected {
             return Agreement::None;
         }
-        let is_right = |image: &Frame| self.equals_reference(image) || !self.would_fail(image);
+        let is_right = |image: &Frame| {
+            self.equals_reference(image) && !self.is_shifted(image) || !self.would_fail(image)
+        };
         match (self.case.expect, &self.observation.response, answer) {
             (Expect::Reject | Expect::Refuse, _, Answer::Decoded(_)) => Agreement::Contradiction,
             (Expect::Reject | Expect::Refuse, ..) => Agreement::None,
@@ -410,6 +412,26 @@ impl Witness<'_> {
     /// Returns true if `image` equals the reference's image up to rounding, and therefore explains no failure.
     fn equals_reference(&self, image: &Frame) -> bool {
         matches!(&self.expected, Answer::Decoded(right) if equal_up_to_rounding(right, image))
+    }
+
+    /// Returns true if nearly all colors of `image` differ from those of the reference by one, in the same direction. Another way of
+    /// rounding does not do this.
+    fn is_shifted(&self, image: &Frame) -> bool {
+        let Answer::Decoded(right) = &self.expected else {
+            return false;
+        };
+        let (Samples::U8(right), Samples::U8(image)) = (&right.samples, &image.samples) else {
+            return false;
+        };
+        // Colors near 0 or 255 may be clamped.
+        let pairs = right
+            .iter()
+            .zip(image)
+            .filter(|(right, _)| (2..254).contains(*right));
+        let offsets: Vec<i16> = pairs.map(|(a, b)| i16::from(*b) - i16::from(*a)).collect();
+        let count = |offset: i16| offsets.iter().filter(|&&one| one == offset).count();
+        offsets.len() >= MIN_SUPPORT
+            && (is_nearly_all(count(1), offsets.len()) || is_nearly_all(count(-1), offsets.len()))
     }
 
     /// Returns true if `image` is wrong. A correct image explains no failure, even if it equals the response up to rounding.

@@ -412,8 +412,15 @@ fn panic_message(panic: &(dyn Any + Send)) -> String {
     text.unwrap_or_else(|| "a panic without a message".to_owned())
 }
 
-/// Adds causes to a report, and a remark if the search panicked or was interrupted.
+/// Adds causes to a report, and a remark if the search panicked or was interrupted. A decoder whose mistake violates the ruling of an
+/// open question follows none of its readings, even if some images look like one.
 fn add_causes(mut report: Report, found: FoundCauses, was_interrupted: bool) -> Report {
+    let named = found.causes.iter();
+    let named = named.flat_map(|cause| cause.misreading.iter().chain(&cause.accompanying));
+    let violated: Vec<&str> = named
+        .filter_map(|slug| ptm_mistakes::find(slug)?.violates)
+        .collect();
+    (report.dialect).retain(|followed| !violated.contains(&&*followed.ruling));
     report.diagnoses = found.causes;
     if !found.faults.is_empty() {
         report.remarks.push(Remark::note(format!(
@@ -432,17 +439,55 @@ fn add_causes(mut report: Report, found: FoundCauses, was_interrupted: bool) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::report::document::{FollowedReading, LikelyCause};
     use ptm_suite::protocol::frame::Answer;
     use ptm_suite::protocol::request::Reply;
 
-    #[test]
-    fn panicking_search_loses_no_verdict() {
+    /// Checks a decoder that refuses every file, with the first files.
+    fn verdicts() -> Report {
         let mut suite = Suite::load().expect("the suite loads");
         suite.cases.retain(|case| case.first);
         let plan = RunPlan::new(&suite, 1);
         let refuse = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);
         let checked = check(&Check::of_answers(&suite, &plan), &refuse, &());
-        let verdicts = checked.expect("a function has no trouble").report;
+        checked.expect("a function has no trouble").report
+    }
+
+    #[test]
+    fn a_decoder_follows_no_reading_of_a_question_that_its_mistake_is_about() {
+        let mut report = verdicts();
+        report.dialect = ["motion-border", "motion-half"]
+            .map(|ruling| FollowedReading {
+                ruling: ruling.to_owned(),
+                reading: "the reference's".to_owned(),
+                shown_by: Vec::new(),
+            })
+            .into();
+        let cause = LikelyCause {
+            misreading: Some("motion-runs-over-row-ends".to_owned()),
+            kind: None,
+            clause: None,
+            effect: String::new(),
+            fix: String::new(),
+            equivalents: Vec::new(),
+            accompanying: Vec::new(),
+            explains: Vec::new(),
+            example: None,
+        };
+        let found = FoundCauses {
+            causes: vec![cause],
+            ..FoundCauses::default()
+        };
+        let report = add_causes(report, found, false);
+        let followed: Vec<&str> = (report.dialect.iter())
+            .map(|followed| &*followed.ruling)
+            .collect();
+        assert_eq!(followed, ["motion-half"]);
+    }
+
+    #[test]
+    fn panicking_search_loses_no_verdict() {
+        let verdicts = verdicts();
         let found = search(|| panic!("index 3 of 2"));
         let report = add_causes(verdicts.clone(), found, false);
         assert_eq!(report.cases, verdicts.cases);

@@ -180,7 +180,7 @@ fn followed_readings<C: Listed, V, T, D, F, R>(
     readings
 }
 
-/// Returns the table spelling that the decoder reads, if it decodes tables. The spelling determines only which files are sent to
+/// Returns the table spelling that the decoder reads, if it decodes files with this spelling. The spelling determines only which files are sent to
 /// the decoder, not which answers are correct.
 fn table_readings<C: TestCase>(suite: &Suite<C>, run: &RunOf<C>) -> Vec<FollowedReading> {
     let decoded = &run.judgment.decoded;
@@ -197,16 +197,22 @@ fn table_readings<C: TestCase>(suite: &Suite<C>, run: &RunOf<C>) -> Vec<Followed
         ("lut-count", run.table.count.name()),
         ("lut-newline", newline),
     ];
+    let is_decoded = |i: usize| {
+        let observation = run.observations[i].as_ref();
+        observation.is_some_and(|seen| matches!(seen.response, Response::Image { .. }))
+    };
     readings
         .map(|(ruling, reading)| FollowedReading {
             ruling: ruling.to_owned(),
             reading: reading.to_owned(),
             shown_by: passing_case_ids(suite, run, |i| {
                 let case = &suite.cases[i];
-                case.expect() == Expect::Spelling && case.ruling() == Some(ruling)
+                case.expect() == Expect::Spelling && case.ruling() == Some(ruling) && is_decoded(i)
             }),
         })
-        .into()
+        .into_iter()
+        .filter(|followed| !followed.shown_by.is_empty())
+        .collect()
 }
 
 /// Returns everything for which the decoder always exits with status 69: features, and views of individual kinds of cases. This includes

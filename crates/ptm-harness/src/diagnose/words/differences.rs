@@ -41,7 +41,7 @@ const fn effect_and_fix(step: Step) -> [&'static str; 2] {
             "compare the sample type with the expected frame",
         ],
         Step::Choice => [
-            "shows images that no single listed reading of an open question explains; each follows some listed reading",
+            "mixes listed readings of an open question: these images follow another one than images of other files",
             "follow one listed reading of the question in all files",
         ],
         Step::NoReading => [
@@ -396,7 +396,8 @@ fn texel_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
 /// Describes the first wrong sample in a file that the mistakes in `set` do not explain: its received and expected values, the
 /// arithmetic, and the bytes that determine the expected value.
 fn example(search: &Search, set: &[MistakeId], w: usize) -> String {
-    let open = image_pair(search, set, w).map(|pair| pair.wrong_samples());
+    let pair = (!set.is_empty()).then(|| image_pair(search, set, w));
+    let open = pair.flatten().map(|pair| pair.wrong_samples());
     describe_sample(search, w, &open.unwrap_or_default())
 }
 

@@ -79,19 +79,23 @@ pub(super) fn formats_phrase(witnesses: &[Witness], indices: &[usize]) -> String
 fn share_text(witnesses: &[Witness], indices: &[usize]) -> String {
     let format = |w: usize| witnesses[w].case.format();
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
-    let of_format = |one: Format| indices.iter().find(|&&w| format(w) == one);
+    let (legal, others): (Vec<usize>, Vec<usize>) = indices.iter().copied().partition(is_legal);
+    let named = if legal.is_empty() { &others } else { &legal };
+    let names = format_names(witnesses, named);
+    // Without names, the files of all formats count.
+    let every: Vec<usize> = (0..witnesses.len()).collect();
+    let counted = if names.is_empty() { &every } else { named };
+    let of_format = |one: Format| counted.iter().find(|&&w| format(w) == one);
     let counts = Format::ALL
         .into_iter()
         .filter_map(of_format)
         .map(|&w| witnesses[w].legal_files);
     let all: usize = counts.sum();
-    let legal = indices.iter().filter(|w| is_legal(w)).count();
-    let names = format_names(witnesses, indices);
-    match (legal, indices.len() - legal) {
+    match (legal.len(), others.len()) {
         (0, 1) => format!("1 file{names} that need not be decoded"),
         (0, others) => format!("{others} files{names} that need not be decoded"),
-        (_, 0) => format!("{legal} of {all} legal files{names}"),
-        (_, others) => {
+        (legal, 0) => format!("{legal} of {all} legal files{names}"),
+        (legal, others) => {
             format!("{legal} of {all} legal files{names} (and {others} that need not be decoded)")
         }
     }
