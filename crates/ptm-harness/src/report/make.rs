@@ -197,22 +197,24 @@ fn table_readings<C: TestCase>(suite: &Suite<C>, run: &RunOf<C>) -> Vec<Followed
         ("lut-count", run.table.count.name()),
         ("lut-newline", newline),
     ];
-    let is_decoded = |i: usize| {
-        let observation = run.observations[i].as_ref();
-        observation.is_some_and(|seen| matches!(seen.response, Response::Image { .. }))
+    let is_shown = |i: usize| {
+        let seen = run.observations[i].as_ref();
+        let is_image = seen.is_some_and(|seen| matches!(seen.response, Response::Image { .. }));
+        is_image && suite.cases[i].expect() == Expect::Spelling
     };
+    if !run.judgment.with_outcome(Outcome::Pass).any(is_shown) {
+        return Vec::new();
+    }
     readings
         .map(|(ruling, reading)| FollowedReading {
             ruling: ruling.to_owned(),
             reading: reading.to_owned(),
             shown_by: passing_case_ids(suite, run, |i| {
                 let case = &suite.cases[i];
-                case.expect() == Expect::Spelling && case.ruling() == Some(ruling) && is_decoded(i)
+                case.expect() == Expect::Spelling && case.ruling() == Some(ruling)
             }),
         })
-        .into_iter()
-        .filter(|followed| !followed.shown_by.is_empty())
-        .collect()
+        .into()
 }
 
 /// Returns everything for which the decoder always exits with status 69: features, and views of individual kinds of cases. This includes
