@@ -452,20 +452,6 @@ fn a_decoder_that_shows_only_zeros_does_not_show_how_it_reads_a_number() {
     assert_all_true(reports);
 }
 
-/// A decoder that ignores biases shows the same image of a file with a fractional bias and of its legal twin. A decoder that cuts the
-/// fraction would show another image.
-#[test]
-fn what_would_look_the_same_needs_no_other_mistake() {
-    let mistakes = ["bias-ignored", "bias-fraction-cut"].map(misreading);
-    printed_report(&cases(is_uncompressed), |request| {
-        answer_with(&mistakes, request)
-    })
-    .says(&["does not use the biases"])
-    .says(&["accepts malformed files", "a bias is 128.5"])
-    .never_says("drops the fractional part")
-    .assert_true();
-}
-
 /// The decoder refuses every map with a table and more than one texel. Most of them use the last entry of the table, but those that
 /// do not are refused, too.
 #[test]

@@ -232,8 +232,7 @@ fn diagnose_member(
     let is_observation = misreading.symptom != Symptom::Values;
     if !rules::is_shown(search, set, member.id, explained) || is_observation && !is_unique {
         let candidates = [&[misreading], &alike[..]].concat();
-        // A misreading that needs an edit outside the catalog does not look the same, and one that changes values must do so alone:
-        // together with another mistake, its values may not show.
+        // A misreading that needs an edit outside the catalog does not look the same.
         let is_in_catalog =
             |&id: &MistakeId| search.mistakes[id].unrestricted_misreading().is_some();
         let others = without_id(set, member.id).into_iter().filter(is_in_catalog);
@@ -244,10 +243,6 @@ fn diagnose_member(
                 other.is_some_and(|other| other.slug == misreading.slug)
             };
             let id = (0..search.mistakes.len()).find(is_same);
-            let others = match misreading.symptom {
-                Symptom::Values => &[][..],
-                _ => &others,
-            };
             let set: MistakeSet = others.iter().copied().chain(id).collect();
             explained.iter().all(|&w| search.explains(w, &set))
         };
