@@ -60,7 +60,7 @@ pub fn first_verdicts_to_text(first: &FirstVerdicts) -> String {
     if *failed == 0 {
         return format!("the first {judged} cases, chosen from all clauses: none failed");
     }
-    // Clauses of which most cases fail come first, and of these, clauses with many cases.
+    // The order is that of the number of failing cases, multiplied by their share.
     let mut clauses: Vec<(&String, &(usize, usize))> = failing_clauses.iter().collect();
     clauses.sort_by_key(|(_, (failing, all))| Reverse(1000 * failing * failing / all));
     let listed = clauses.iter().take(MAX_FIRST_CLAUSES);

@@ -164,7 +164,7 @@ impl Scan<'_> {
         let context = self.run_contexts[usize::from(is_near)];
         let k = context.golomb_parameter(context.a + kind * (context.n >> 1));
         let mapped = self.read_golomb(k, self.limit - J[self.run_index] - 1)?;
-        let positive_first = (is_near || mapped != 0) && k == 0 && 2 * context.b < context.n;
+        let positive_first = k == 0 && 2 * context.b < context.n;
         let error = unmap(mapped + kind);
         let error = if positive_first { -error } else { error };
         let context = &mut self.run_contexts[usize::from(is_near)];
@@ -196,11 +196,10 @@ impl Scan<'_> {
         let negative_first = self.presets.near == 0 && k == 0 && 2 * context.b <= -context.n;
         let error = if negative_first { -1 - error } else { error };
 
-        let reset = self.presets.reset;
         let context = &mut self.contexts[index];
         context.b += error * self.step;
         context.a += error.abs();
-        context.count(reset);
+        context.count(self.presets.reset);
         if context.b <= -context.n {
             context.c = (context.c - 1).max(-128);
             context.b = (context.b + context.n).max(1 - context.n);
@@ -300,7 +299,7 @@ impl Bits {
         self.data.get(at).copied().unwrap_or(false)
     }
 
-    /// Buffers at least 25 bits, or eight zeros more if the data end before.
+    /// Buffers 25 bits, or eight zeros more if the data end before.
     fn fill(&mut self) {
         if self.buffered < self.data.len() {
             self.buffered = self.data.len().min(self.at + 25);

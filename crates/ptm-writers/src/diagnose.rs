@@ -188,16 +188,18 @@ pub(super) fn describe_differences<V: RequestValues>(
     run: &RunOf<FileCase<V>>,
     failing: &[usize],
 ) -> Vec<WriterDiagnosis> {
-    let mut groups: BTreeMap<(FaultKind, &str), Vec<(usize, &WriterFault)>> = BTreeMap::new();
+    let mut groups: BTreeMap<(FaultKind, &str, &str), Vec<(usize, &WriterFault)>> = BTreeMap::new();
     for &index in failing {
         if let Some((_, fault)) = wrong_file(run.observations[index].as_ref()) {
-            let group = groups.entry((fault.kind, &fault.clause)).or_default();
+            let group = groups
+                .entry((fault.kind, &fault.clause, fault.fix))
+                .or_default();
             group.push((index, fault));
         }
     }
     let mut diagnoses: Vec<WriterDiagnosis> = groups
         .into_iter()
-        .map(|((_, clause), faults)| {
+        .map(|((_, clause, _), faults)| {
             let (index, fault) = faults[0];
             let example = format!("for example {}: {fault}", suite.cases[index].id);
             let cause = describe(clause, effect_and_fix(clause, fault), example);

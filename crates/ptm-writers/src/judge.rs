@@ -66,9 +66,10 @@ pub(super) fn refusal(file: &[u8], error: &Error) -> WriterFault {
         false => format!("the bytes there are \"{}\"", excerpt.escape_ascii()),
     };
     let says = format!("the reference refuses the file: {error}; {bytes}");
+    let same = first_error(file).filter(|found| found.offset == error.offset());
     WriterFault {
         kind: FaultKind::Refused,
-        fix: first_error(file).map_or("", |found| found.fix),
+        fix: same.map_or("", |found| found.fix),
         ..WriterFault::new(error.clause(), says)
     }
 }

@@ -147,7 +147,7 @@ impl<'a> FormatTallies<'a> {
             @if !self.by_section.is_empty() {
                 div.scroll tabindex="0" {
                     table.sections {
-                        caption { "Sections of the specification and formats: failed cases, ✓ if all judged cases passed, ? if none was judged, · if no case was selected" }
+                        caption { "Sections of the specification and formats: failed cases, ✓ if all judged cases passed, ? if none was judged, · if there is no case" }
                         thead { tr { th scope="col" { "section" } @for format in Format::ALL { th scope="col" { span { (format.short_name()) } } } } }
                         tbody {
                             @for section in sections {

@@ -50,7 +50,10 @@
     const inView = () => { const { top, bottom } = input.getBoundingClientRect(); return top >= 0 && bottom <= innerHeight; };
     // Open state of the details elements before the filter changed it.
     let before;
+    // The case that was opened because a filter left only this one.
+    let opened;
     const apply = () => {
+      if (opened) { opened.open = false; opened = undefined; }
       const stuck = input.form.getBoundingClientRect().top <= 0;
       const words = input.value.toLowerCase().split(/\s+/).filter(Boolean);
       let count = 0;
@@ -65,7 +68,7 @@
           fold.open = inside.some((element) => !element.hidden) && (fold.open || fold.classList.contains("more") || count < 200);
         }
         const only = count === 1 && all.find(({ element }) => !element.hidden).element;
-        if (only && only.tagName === "DETAILS") { only.open = true; }
+        if (only && only.tagName === "DETAILS" && !only.open) { only.open = true; opened = only; }
       } else if (before) {
         folds.forEach(({ fold }, i) => { fold.open = before[i]; });
         before = undefined;

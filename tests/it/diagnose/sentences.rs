@@ -467,7 +467,7 @@ fn refusals_are_not_explained_by_what_does_not_separate_them() {
         }
     })
     .says(&["refuses", "legal files of PTM_LUT, PTM_C_LUT"])
-    .never_says("the index of the last entry")
+    .never_says(misreading("last-entry-refused").effect)
     .assert_true();
 }
 

@@ -414,8 +414,8 @@ impl Witness<'_> {
         matches!(&self.expected, Answer::Decoded(right) if equal_up_to_rounding(right, image))
     }
 
-    /// Returns true if nearly all colors of `image` differ from those of the reference by one, in the same direction. Another way of
-    /// rounding does not do this.
+    /// Returns true if nearly all colors of `image` differ from those of the reference by one, in the same direction. Rounding
+    /// down or up instead of to the nearest does not do this.
     fn is_shifted(&self, image: &Frame) -> bool {
         let Answer::Decoded(right) = &self.expected else {
             return false;

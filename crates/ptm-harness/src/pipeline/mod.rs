@@ -413,7 +413,7 @@ fn panic_message(panic: &(dyn Any + Send)) -> String {
 }
 
 /// Adds causes to a report, and a remark if the search panicked or was interrupted. A decoder whose mistake violates the ruling of an
-/// open question follows none of its readings, even if some images look like one.
+/// open question follows none of the question's readings, even if some images look like one.
 fn add_causes(mut report: Report, found: FoundCauses, was_interrupted: bool) -> Report {
     let named = found.causes.iter();
     let named = named.flat_map(|cause| cause.misreading.iter().chain(&cause.accompanying));

@@ -102,9 +102,10 @@ impl WrongMap {
                 }
                 let verdicts =
                     LUMINANCE_WEIGHTS.map(|weights| self.compare(&self.darkened(weights)));
-                return verdicts
-                    .into_iter()
-                    .max_by_key(|&verdict| verdict == Some(true))?;
+                return match verdicts.contains(&Some(true)) {
+                    true => Some(true),
+                    false => verdicts.iter().all(Option::is_some).then_some(false),
+                };
             }
             Criterion::Map(predicate) => predicate(self),
         };

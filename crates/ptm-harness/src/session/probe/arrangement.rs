@@ -10,7 +10,7 @@ use super::message::{ProbeFault, fault};
 const LAYOUTS: [&str; 4] = ["", "planar", "planar-rows", "column-major"];
 
 /// Names of the possible channel orders. The empty name stands for the correct order.
-const ORDERS: [&str; 8] = [
+const ORDERS: [&str; 7] = [
     "",
     "bgr",
     "cb-first",
@@ -18,7 +18,6 @@ const ORDERS: [&str; 8] = [
     "color-first",
     "coefficients-backward",
     "by-coefficient",
-    REVERSED,
 ];
 
 /// Order of the channels of an image whose samples are written from the last to the first.
@@ -34,7 +33,7 @@ pub(in crate::session) struct Arrangement {
 }
 
 impl Arrangement {
-    /// Returns all arrangements, the correct one first. Channels are reversed only if rows and columns are, too.
+    /// Returns all arrangements, the correct one first. The last one reverses all samples.
     pub(in crate::session) fn all() -> impl Iterator<Item = Arrangement> {
         let count = LAYOUTS.len() * ORDERS.len() * 4;
         let all = (0..count).map(|i| Arrangement {
@@ -43,12 +42,12 @@ impl Arrangement {
             upside_down: i & 2 != 0,
             mirrored: i & 1 != 0,
         });
-        all.filter(|one| one.order != REVERSED || one.is_reversed())
-    }
-
-    /// Returns true if the samples are written from the last to the first.
-    fn is_reversed(&self) -> bool {
-        self.layout.is_empty() && self.order == REVERSED && self.upside_down && self.mirrored
+        all.chain(std::iter::once(Arrangement {
+            layout: "",
+            order: REVERSED,
+            upside_down: true,
+            mirrored: true,
+        }))
     }
 
     /// Returns the index of each sample in an image with this arrangement. The indices are in the order of the samples of a
@@ -89,7 +88,7 @@ impl Arrangement {
 
     /// Returns the mistakes that lead to this arrangement; empty for the correct arrangement.
     pub(in crate::session) fn mistakes(&self) -> Vec<ProbeFault> {
-        if self.is_reversed() {
+        if self.order == REVERSED {
             return vec![fault(REVERSED, &[])];
         }
         let upside_down = if self.upside_down { "upside-down" } else { "" };

@@ -156,8 +156,9 @@ fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<Probe
         _ if calls.command.is_empty() => return None,
         _ => {}
     }
-    let no_frame = || calls.explain_no_frame(&first.file, &first.expected, first.view, first.reply);
-    let known = calls.check_command().err().or_else(no_frame);
+    let known = calls.explain_no_frame(&first.file, &first.expected, first.view, first.reply);
+    let missing = || calls.check_command().err();
+    let known = known.or_else(|| is_missing_file(first.reply).then(missing).flatten());
     // The answer itself has already been reported.
     let unknown = || {
         (
@@ -166,6 +167,14 @@ fn explain_missing_frames(calls: &Calls, replies: &[FirstReply]) -> Option<Probe
         )
     };
     Some(first.step(known.unwrap_or_else(unknown)))
+}
+
+/// Returns true if an interpreter seems not to have found the file of the decoder.
+fn is_missing_file(reply: &Reply) -> bool {
+    let words = ["open", "find", "such file", "access"];
+    let mut lines = reply.stderr.lines();
+    let says_so = lines.any(|line| words.iter().any(|word| line.contains(word)));
+    reply.stdout.is_empty() && reply.exit != Some(0) && says_so
 }
 
 /// Returns a fault if all malformed files cause the same exit status and this status does not mean a refusal.
