@@ -452,6 +452,31 @@ fn a_decoder_that_shows_only_zeros_does_not_show_how_it_reads_a_number() {
     assert_all_true(reports);
 }
 
+/// The colors of LUM are too large by one. In other formats, this would be within the tolerance of many cases, but not of all.
+#[test]
+fn an_edit_that_passing_colors_contradict_is_restricted() {
+    printed_report(&cases(is_uncompressed), |request| {
+        let is_lum = request
+            .file
+            .windows(11)
+            .any(|bytes| bytes == b"FORMAT_LUM\n");
+        match reference_answer(request) {
+            Answer::Decoded(mut frame) if is_lum && frame.view == ViewKind::Rgb => {
+                if let Samples::U8(colors) = &mut frame.samples {
+                    for color in colors {
+                        *color = color.saturating_add(1);
+                    }
+                }
+                Answer::Decoded(frame)
+            }
+            answer => answer,
+        }
+    })
+    .says(&["min(max(value, 0) + 1, 255)", ", in files of format LUM"])
+    .never_says("seen in files")
+    .assert_true();
+}
+
 /// The decoder refuses every map with a table and more than one texel. Most of them use the last entry of the table, but those that
 /// do not are refused, too.
 #[test]
