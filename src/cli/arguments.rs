@@ -61,6 +61,17 @@ pub fn id_filter(
     Ok(move |id: &str| globs.is_empty() || globs.iter().any(|glob| glob.matches(id)))
 }
 
+/// Returns a predicate that accepts case ids matching a pattern of `--case`, if there are any, and none of `--skip`.
+pub fn id_selection(
+    cases: &[String],
+    skipped: &[String],
+) -> Result<impl Fn(&str) -> bool + use<>, String> {
+    let is_named = id_filter("--case", cases)?;
+    let is_skipped = id_filter("--skip", skipped)?;
+    let skips_some = !skipped.is_empty();
+    Ok(move |id: &str| is_named(id) && !(skips_some && is_skipped(id)))
+}
+
 /// Returns true if `clause` equals `requested` or is contained in it. For example, 2.4 contains 2.4/8.
 pub fn is_at_or_below(clause: &str, requested: &str) -> bool {
     let rest = clause.strip_prefix(requested);

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use super::arguments::{id_filter, is_at_or_below, parse_format, parse_refusal, view_parser};
+use super::arguments::{id_selection, is_at_or_below, parse_format, parse_refusal, view_parser};
 use super::calls::RunArgs;
 use super::{CommandError, EXIT_NOTHING_SELECTED};
 use super::{ending::OutputArgs, names::did_you_mean};
@@ -141,8 +141,7 @@ impl CheckArgs {
         suite: &Suite<C>,
         is_in_subset: impl Fn(usize) -> bool,
     ) -> Result<Vec<bool>, CommandError> {
-        let is_named = id_filter("--case", &self.cases)?;
-        let is_skipped = id_filter("--skip", &self.skipped)?;
+        let is_named = id_selection(&self.cases, &self.skipped)?;
         let is_about = |clause: &String| {
             let mut asked = self.clauses.iter();
             asked.any(|asked| is_at_or_below(clause, asked))
@@ -150,7 +149,6 @@ impl CheckArgs {
         let is_in_shard = |id: &str| self.shard.is_none_or(|shard| shard.contains(id.as_bytes()));
         let matches = |case: &C| {
             is_named(case.id())
-                && (self.skipped.is_empty() || !is_skipped(case.id()))
                 && (self.clauses.is_empty() || case.clauses().iter().any(is_about))
                 && is_in_shard(case.id())
         };

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
-use super::arguments::{id_filter, parse_success};
+use super::arguments::{id_selection, parse_success};
 use super::check::list_cases;
 use super::ending::{OutputArgs, ReportWriter};
 use super::guard::{ScratchGuard, stop_on_signals};
@@ -126,11 +126,9 @@ fn check<V: RequestValues>(
     suite: &Suite<FileCase<V>>,
     stop: &Arc<AtomicBool>,
 ) -> CommandResult {
-    let is_named = id_filter("--case", &args.cases)?;
-    let is_skipped = id_filter("--skip", &args.skipped)?;
+    let is_named = id_selection(&args.cases, &args.skipped)?;
     let matches = |case: &FileCase<V>| {
         is_named(&case.id)
-            && (args.skipped.is_empty() || !is_skipped(&case.id))
             && (args.formats.is_empty() || args.formats.contains(&case.format))
             && (!args.smoke || case.smoke)
     };

@@ -134,9 +134,8 @@ fn render_image(case: &Case, built: &Built, view: &View, at: &Difference, frame:
     };
     let first = (y * expected.size.width as usize + x) * expected.channels;
     let received = |i: usize| frame.samples.real(i);
-    let is_wrong = |c: &usize| !expected.is_near(first + c, received(first + c));
-    let channel = (0..expected.channels).find(is_wrong).unwrap_or_default();
-    let position = (*x, *y, channel);
+    let position = first_wrong_position(expected, frame, (*x, *y));
+    let channel = position.2;
     let name = channel_name(expected.channels, channel);
     let ptm = decode(&built.file).ok();
     let texel = first / expected.channels;
@@ -170,6 +169,14 @@ fn render_image(case: &Case, built: &Built, view: &View, at: &Difference, frame:
         (origins(&name, &built.file, &sample_origins(case, &built.file, expected, position)))
         @if let Some(figure) = preview::figure(built, frame) { (figure) }
     }
+}
+
+/// Returns the position of the first wrong sample in a texel.
+fn first_wrong_position(expected: &Expected, frame: &Frame, (x, y): (usize, usize)) -> Position {
+    let first = (y * expected.size.width as usize + x) * expected.channels;
+    let is_wrong = |c: &usize| !expected.is_near(first + c, frame.samples.real(first + c));
+    let channel = (0..expected.channels).find(is_wrong);
+    (x, y, channel.unwrap_or_default())
 }
 
 /// Returns the byte ranges of `file` from which the sample at `position` is computed.
@@ -275,16 +282,13 @@ fn excerpt(file: &[u8], range: &Range<usize>) -> Markup {
 /// Renders the images of a written file and of what was requested, unless they are equal.
 fn compared_frames(images: &ComparedFrames) -> Markup {
     let expected = Expected::from_frame(&images.expected);
-    let first = match expected.compare(&images.written) {
-        Some(Difference::Samples { x, y, .. }) => (x, y),
-        _ => return Markup::default(),
+    let Some(Difference::Samples { x, y, .. }) = expected.compare(&images.written) else {
+        return Markup::default();
     };
-    let start = (first.1 * expected.size.width as usize + first.0) * expected.channels;
-    let is_wrong = |c: &usize| !expected.is_near(start + c, images.written.samples.real(start + c));
-    let channel = (0..expected.channels).find(is_wrong).unwrap_or_default();
+    let position = first_wrong_position(&expected, &images.written, (x, y));
     html! {
         p.label { (images.caption) }
-        @if let Some(figure) = figures::figure(&expected, &images.written, (first.0, first.1, channel)) { (figure) }
+        @if let Some(figure) = figures::figure(&expected, &images.written, position) { (figure) }
     }
 }
 

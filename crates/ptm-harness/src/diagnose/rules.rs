@@ -4,9 +4,11 @@ use std::collections::BTreeSet;
 
 use super::failure_mode::{FailureMode, message_form};
 use super::mistake::Mistake;
+use super::scope::{files_of, own_formats};
 use super::search::{Effect, MistakeId, MistakeSet, Search, without_id};
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all, is_third};
 use super::witness::{Agreement, Witness};
+use super::words::refusals::files_read;
 use ptm_mistakes::formula::EditedForm;
 use ptm_mistakes::{Change, Misreading, Symptom};
 use ptm_suite::protocol::frame::ViewKind;
@@ -179,14 +181,8 @@ pub(super) fn count_failures_of_the_same_kind(
 /// Counts the images of legal files that have the formats of `cases`. If the decoder refuses more of the files that a misreading
 /// does not refuse than it reads, the misreading does not separate the two.
 pub(super) fn count_files_read(witnesses: &[Witness], cases: &[usize]) -> usize {
-    let has_format = |witness: &Witness| {
-        let mut formats = cases.iter().map(|&w| witnesses[w].case.format());
-        formats.any(|format| format == witness.case.format())
-    };
-    let images = witnesses
-        .iter()
-        .filter(|witness| witness.is_image_of_legal_file());
-    images.filter(|witness| has_format(witness)).count()
+    let formats = own_formats(witnesses, cases, &[]);
+    files_of(witnesses, &files_read(witnesses), &formats).len()
 }
 
 /// *"Would look the same" is said only after the outputs for all these files have been compared.*

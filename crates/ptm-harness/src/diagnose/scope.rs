@@ -190,7 +190,7 @@ pub(super) fn format_sets(witnesses: &[Witness], files: &[usize]) -> Vec<Vec<For
 }
 
 /// Returns the files that have one of `formats`.
-fn files_of(witnesses: &[Witness], files: &[usize], formats: &[Format]) -> Vec<usize> {
+pub(super) fn files_of(witnesses: &[Witness], files: &[usize], formats: &[Format]) -> Vec<usize> {
     let has_format = |w: &usize| formats.contains(&witnesses[*w].case.format());
     files.iter().copied().filter(has_format).collect()
 }

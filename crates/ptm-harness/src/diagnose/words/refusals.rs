@@ -137,7 +137,7 @@ pub(super) fn reject_exit_hint(status: i32) -> String {
 }
 
 /// Returns the legal files that the decoder reads, correctly or not. Files that fail in another way are not evidence.
-fn files_read(witnesses: &[Witness]) -> Vec<usize> {
+pub(in crate::diagnose) fn files_read(witnesses: &[Witness]) -> Vec<usize> {
     let is_read = |w: &usize| witnesses[*w].is_image_of_legal_file();
     (0..witnesses.len()).filter(is_read).collect()
 }
