@@ -106,6 +106,14 @@ fn describe_shares(
 ) -> Attribution {
     let set = ids_of(found);
     let mut diagnoses = Vec::new();
+    for (member, share) in found.iter().zip(&mut shares) {
+        left.extend(rules::take_exceeded_limits(
+            search,
+            &set,
+            member.id,
+            &mut share.explains,
+        ));
+    }
     for formats in whole {
         diagnoses.extend(diagnose_whole_formats(
             search,

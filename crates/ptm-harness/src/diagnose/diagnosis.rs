@@ -21,6 +21,8 @@ pub struct Diagnosis<A: 'static = Change> {
 pub struct Causes<A: 'static = Change> {
     /// Diagnoses, sorted by the number of failures that they explain, in descending order.
     pub diagnoses: Vec<Diagnosis<A>>,
+    /// Rulings of open questions whose readings the passing images do not show, because a mistake looks like the reading.
+    pub imitated: Vec<&'static str>,
     /// Number of answers that were computed for decoders with mistakes.
     pub answer_count: usize,
     /// CPU time of the search, if the system reports it.
@@ -31,6 +33,7 @@ impl<A> From<Vec<Diagnosis<A>>> for Causes<A> {
     fn from(diagnoses: Vec<Diagnosis<A>>) -> Causes<A> {
         Causes {
             diagnoses,
+            imitated: Vec::new(),
             answer_count: 0,
             cpu_time: None,
         }

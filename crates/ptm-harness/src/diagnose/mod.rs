@@ -18,6 +18,7 @@ mod edits;
 mod failure_mode;
 mod groups;
 mod image_pair;
+mod imitated;
 mod learned;
 mod mistake;
 mod place;
@@ -92,6 +93,7 @@ pub fn diagnose_among(
         search.run(edits::add_candidates)
     };
     let attribution = attribution::attribute_failures(&search, found);
+    let imitated = imitated::imitated_readings(&search, run, &attribution);
     let mut causes = describe_rest(&search, &attribution.set, attribution.left);
     causes.extend(attribution.diagnoses);
     if search.is_interrupted() {
@@ -105,6 +107,7 @@ pub fn diagnose_among(
     });
     Causes {
         diagnoses: causes,
+        imitated,
         answer_count: search.answer_count(),
         cpu_time: None,
     }

@@ -154,6 +154,25 @@ pub(super) fn is_shown_by_responses(
     }
 }
 
+/// *A failure that a cause does not reproduce is not listed under it.*
+///
+/// Takes the exceeded time limits out of `explained` if images show the mistake: a decoder that computes other values than the
+/// reference, and finds them outside the data, ends at once.
+pub(super) fn take_exceeded_limits(
+    search: &Search,
+    set: &MistakeSet,
+    id: MistakeId,
+    explained: &mut Vec<usize>,
+) -> Vec<usize> {
+    let is_by_images = search.mistakes[id].misreading.symptom == Symptom::Values
+        && is_shown(search, set, id, explained);
+    let is_late = |w: &mut usize| {
+        let mode = FailureMode::new(&search.witnesses[*w]);
+        is_by_images && matches!(mode, Some(FailureMode::TimesOut(_)))
+    };
+    explained.extract_if(.., is_late).collect()
+}
+
 /// *One mistake is one cause.*
 ///
 /// Counts the responses in `left` that are failures of the same kind as one in `cases`, which have no image: the same format, the

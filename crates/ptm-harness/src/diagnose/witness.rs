@@ -499,7 +499,7 @@ fn twin_image(file: &[u8], reading: Reading, observation: &Observation) -> Optio
     }
 }
 
-fn reading_in_dialect(run: &Run, dialect: &Dialect) -> Reading {
+pub(super) fn reading_in_dialect(run: &Run, dialect: &Dialect) -> Reading {
     let mut reading = CHOICES.apply(dialect, Reading::SPEC);
     reading.stream = decode_stream_cached;
     if run.table.newline {

@@ -25,6 +25,8 @@ use ptm_suite::test_case::{Listed, TestCase};
 pub struct FoundCauses {
     /// Likely causes, sorted by the number of failures that they explain, in descending order.
     pub causes: Vec<LikelyCause>,
+    /// Rulings of open questions whose readings the passing images do not show, because a mistake looks like the reading.
+    pub imitated: Vec<&'static str>,
     /// Messages of panics during the search. Each indicates a bug in this program that may hide a cause.
     pub faults: Vec<String>,
     /// Number of answers that were computed for decoders with mistakes.
@@ -39,6 +41,7 @@ impl FoundCauses {
     pub fn new<C: Listed, A: 'static>(suite: &Suite<C>, found: &Causes<A>) -> FoundCauses {
         FoundCauses {
             causes: likely_causes(suite, &found.diagnoses),
+            imitated: found.imitated.clone(),
             faults: Vec::new(),
             answer_count: found.answer_count,
             cpu_time: found.cpu_time,

@@ -412,15 +412,9 @@ fn panic_message(panic: &(dyn Any + Send)) -> String {
     text.unwrap_or_else(|| "a panic without a message".to_owned())
 }
 
-/// Adds causes to a report, and a remark if the search panicked or was interrupted. A decoder whose mistake violates the ruling of an
-/// open question follows none of the question's readings, even if some images look like one.
+/// Adds causes to a report, and a remark if the search panicked or was interrupted. Readings that a mistake imitates are removed.
 fn add_causes(mut report: Report, found: FoundCauses, was_interrupted: bool) -> Report {
-    let named = found.causes.iter();
-    let named = named.flat_map(|cause| cause.misreading.iter().chain(&cause.accompanying));
-    let violated: Vec<&str> = named
-        .filter_map(|slug| ptm_mistakes::find(slug)?.violates)
-        .collect();
-    (report.dialect).retain(|followed| !violated.contains(&&*followed.ruling));
+    (report.dialect).retain(|followed| !found.imitated.contains(&&*followed.ruling));
     report.diagnoses = found.causes;
     if !found.faults.is_empty() {
         report.remarks.push(Remark::note(format!(
@@ -439,7 +433,6 @@ fn add_causes(mut report: Report, found: FoundCauses, was_interrupted: bool) -> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::report::document::{FollowedReading, LikelyCause};
     use ptm_suite::protocol::frame::Answer;
     use ptm_suite::protocol::request::Reply;
 
@@ -451,38 +444,6 @@ mod tests {
         let refuse = |_: &Request<'_>, _: usize| Reply::from(Answer::Rejected);
         let checked = check(&Check::of_answers(&suite, &plan), &refuse, &());
         checked.expect("a function has no trouble").report
-    }
-
-    #[test]
-    fn a_decoder_follows_no_reading_of_a_question_that_its_mistake_is_about() {
-        let mut report = verdicts();
-        report.dialect = ["motion-border", "motion-half"]
-            .map(|ruling| FollowedReading {
-                ruling: ruling.to_owned(),
-                reading: "the reference's".to_owned(),
-                shown_by: Vec::new(),
-            })
-            .into();
-        let cause = LikelyCause {
-            misreading: Some("motion-runs-over-row-ends".to_owned()),
-            kind: None,
-            clause: None,
-            effect: String::new(),
-            fix: String::new(),
-            equivalents: Vec::new(),
-            accompanying: Vec::new(),
-            explains: Vec::new(),
-            example: None,
-        };
-        let found = FoundCauses {
-            causes: vec![cause],
-            ..FoundCauses::default()
-        };
-        let report = add_causes(report, found, false);
-        let followed: Vec<&str> = (report.dialect.iter())
-            .map(|followed| &*followed.ruling)
-            .collect();
-        assert_eq!(followed, ["motion-half"]);
     }
 
     #[test]

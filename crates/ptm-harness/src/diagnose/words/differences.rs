@@ -15,7 +15,7 @@ use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SHARING_FILES, MIN_SUPPORT, is_nearly_all};
 use crate::diagnose::witness::Witness;
 use ptm::channel_name;
-use ptm_suite::compare::{Expected, format_distinct};
+use ptm_suite::compare::format_distinct;
 use ptm_suite::origin;
 use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
 
@@ -121,10 +121,10 @@ pub(in crate::diagnose) fn describe(
             format!(
                 "{effect}{}{}{}{}{}",
                 shape_text(search, set, step, cases),
-                value_text(search, set, cases),
+                value_text(search, cases),
                 source_text(search, set, cases),
                 channel_text(search, cases, &wrong),
-                texel_text(search, set, cases)
+                texel_text(search, cases)
             ),
             fix,
         ),
@@ -221,10 +221,20 @@ fn are_only_final_values_wrong(search: &Search, step: Step, cases: &[usize]) -> 
         && is_nearly_all(wrong[0], wrong[0] + right[0])
 }
 
-/// Returns text such as ": NaN instead of every wrong value" if all wrong samples of the images have the same value.
-fn value_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
+/// Returns text such as ": every wrong sample is NaN" if all wrong samples of the images, or of those in the earliest view, have the
+/// same value.
+fn value_text(search: &Search, cases: &[usize]) -> String {
+    let view = |w: &usize| search.witnesses[*w].observation.view.kind();
+    let Some(first) = cases.iter().map(view).min() else {
+        return String::new();
+    };
+    let of_view = match cases.iter().all(|w| view(w) == first) {
+        true => String::new(),
+        false => format!(" in view {first}"),
+    };
+    let cases = cases.iter().filter(|w| view(w) == first);
     let (mut value, mut count) = (None, 0);
-    for pair in cases.iter().filter_map(|&w| image_pair(search, set, w)) {
+    for pair in cases.filter_map(|&w| image_pair(search, &[], w)) {
         for i in pair.wrong_samples() {
             let received = pair.received[i];
             let bits = if received.is_nan() {
@@ -241,7 +251,7 @@ fn value_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
     }
     match value.map(f64::from_bits) {
         Some(value) if count >= MIN_SUPPORT => {
-            format!(": every wrong sample is {value}")
+            format!(": every wrong sample{of_view} is {value}")
         }
         _ => String::new(),
     }
@@ -371,10 +381,10 @@ const PLACES: [Place; 6] = [
 ];
 
 /// Returns text such as ", only in the bottom row" if all wrong values are there, in at least some images with other texels.
-fn texel_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
+fn texel_text(search: &Search, cases: &[usize]) -> String {
     let (mut places, mut large_images) = (PLACES.to_vec(), 0);
     for &w in cases {
-        let Some(pair) = image_pair(search, set, w) else {
+        let Some(pair) = image_pair(search, &[], w) else {
             return String::new();
         };
         for texel in pair.wrong_samples().into_iter().map(|i| i / pair.channels) {
@@ -427,10 +437,7 @@ pub(in crate::diagnose) fn example_of_mistake(
 fn describe_sample(search: &Search, w: usize, preferred: &[usize]) -> String {
     let witness = &search.witnesses[w];
     let id = &witness.case.id;
-    let first = image_pair(search, &[], w).and_then(|mut pair| {
-        if let Some(exact) = expected_values(witness, &pair) {
-            pair.expected = exact;
-        }
+    let first = image_pair(search, &[], w).and_then(|pair| {
         let first = first_wrong(&pair, witness, preferred)?;
         Some((pair, first))
     });
@@ -494,15 +501,4 @@ fn first_wrong(pair: &ImagePair, witness: &Witness, open: &[usize]) -> Option<us
         )
     };
     wrong.into_iter().min_by_key(stored)
-}
-
-/// Returns the expected values before rounding, if the reference's dialect is that of the decoder.
-fn expected_values(witness: &Witness, pair: &ImagePair) -> Option<Vec<f64>> {
-    let expected = Expected::new(&witness.built.values, &witness.observation.view)?;
-    let is_rounded =
-        |(exact, rounded): (&f64, &f64)| (exact.clamp(0.0, 255.0) - rounded).abs() <= 1.0;
-    let is_pair = expected.view == ViewKind::Rgb
-        && expected.values.len() == pair.expected.len()
-        && expected.values.iter().zip(&pair.expected).all(is_rounded);
-    is_pair.then_some(expected.values)
 }
