@@ -183,6 +183,8 @@ float byte | select(at_most(3, k), 0, mod(floor(bits / power(2, 8 * k)), 256)) |
 float byte | mod(floor(integer / power(2, 8 * k)), 256) | any | where integer is the final value as an integer
 float place | 3 * v | any | 3 * v instead of
 color place | t * 4 + k | any | t * 4 + k instead of
+color place | select(at_most(abs(t), 0), none, t * 3 + k) | any | (none if t = 0, else t * 3 + k)
+color place | select(at_most(n - 1, t), none, t * 3 + k) | any | where n is the number of texels
 shown value | max(max(value, 0), 255) | any | max(max(value, 0), 255) instead of
 channel of a coefficient | c * 6 + i - 1 | any | c * 6 + i + -1 instead of
 matrix row | m[k] * Y + m[12 + k] * Cr + m[8 + k] * Cb + m[12 + k] | rgb | m[12 + k] * Cr

@@ -39,7 +39,7 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
 ];
 
 /// Edits that no operator generates: the name of the formula, and the expression.
-const FURTHER_EDITS: [(Formula, &str); 52] = [
+const FURTHER_EDITS: [(Formula, &str); 56] = [
     // The limits of a color are exchanged.
     (
         Formula::Rendering,
@@ -77,6 +77,23 @@ const FURTHER_EDITS: [(Formula, &str); 52] = [
     (Formula::ColorPlace, "t * 3 - k"),
     (Formula::ColorPlace, "t * 3 + k + 1"),
     (Formula::ColorPlace, "t * 3 + k - 1"),
+    // A loop over the texels is too short, or ends after one iteration.
+    (
+        Formula::ColorPlace,
+        "select(at_most(abs(t), 0), none, t * 3 + k)",
+    ),
+    (
+        Formula::ColorPlace,
+        "select(at_most(n - 1, t), none, t * 3 + k)",
+    ),
+    (
+        Formula::ColorPlace,
+        "select(at_most(abs(t), 0), t * 3 + k, none)",
+    ),
+    (
+        Formula::ColorPlace,
+        "select(at_most(n - 1, t), t * 3 + k, none)",
+    ),
     (Formula::FloatPlace, "3 * v"),
     (Formula::FloatPlace, "4 + v"),
     (Formula::FloatPlace, "4 * v + 1"),

@@ -770,8 +770,9 @@ pub fn image(
     let mut values: Vec<f64> = colors.collect();
     if edits.is_edited(Formula::ColorPlace) {
         let mut written = vec![0.0; values.len()];
+        let count = values.len() / 3;
         for (index, value) in values.into_iter().enumerate() {
-            let variables = [index / 3, index % 3].map(|number| number as f64);
+            let variables = [index / 3, index % 3, count].map(|number| number as f64);
             let place = edits.value(Formula::ColorPlace, &variables, &[]);
             write_at(&mut written, place, value);
         }
