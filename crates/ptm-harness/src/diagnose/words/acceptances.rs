@@ -38,14 +38,16 @@ pub(in crate::diagnose) fn describe_group(witnesses: &[Witness], cases: &[usize]
     let mut indices = cases.to_vec();
     rules::sort_smallest_first(witnesses, &mut indices);
     let first = &witnesses[indices[0]];
+    let faults = faults(witnesses, &indices);
+    let its_fault = match faults.len() {
+        1 => "with this fault",
+        _ => "with the first of these faults",
+    };
     let twin = first.case.twin_of.as_ref().map_or(String::new(), |twin| {
-        format!(", which is the legal {twin} with this one fault")
+        format!(", which is the legal {twin} {its_fault}")
     });
     let text = CauseText {
-        effect: format!(
-            "accepts malformed files: {}",
-            list_faults(witnesses, &indices)
-        ),
+        effect: format!("accepts malformed files: {}", list_first(&faults, "fault")),
         fix: "refuse these files with exit status 65".to_owned(),
         example: format!("for example {}{twin}", first.case.id),
     };
@@ -58,15 +60,15 @@ fn violated_clause<'w>(witness: &'w Witness<'_>) -> &'w str {
     (witness.case.damage()).map_or_else(first_clause, |damage| &damage.clause)
 }
 
-/// Lists the distinct faults of these files.
-fn list_faults(witnesses: &[Witness], indices: &[usize]) -> String {
+/// Returns the distinct faults of these files, in the order of the files.
+fn faults<'w>(witnesses: &'w [Witness<'_>], indices: &[usize]) -> Vec<&'w str> {
     let mut faults: Vec<&str> = Vec::new();
     for fault in indices.iter().map(|&w| fault_text(witnesses[w].case)) {
         if !faults.contains(&fault) {
             faults.push(fault);
         }
     }
-    list_first(&faults, "fault")
+    faults
 }
 
 /// Returns the effect of the damage to a file, or the purpose of the case if there is no damage.

@@ -29,24 +29,24 @@ fn files_of_group(witnesses: &[Witness], group: &Group) -> String {
     }
 }
 
-/// Describes the files in a scope: "every legal file with predicted planes", "12 of 14 legal files with predicted planes" if other
-/// files in the scope fail in another way, or "12 legal files with predicted planes" if other files were not judged.
+/// Describes the files in a scope: "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if other
+/// files in the scope fail in another way. Legal files are "judged" ones if others of their formats were not judged.
 fn files_in_scope(witnesses: &[Witness], shared: &SharedScope) -> String {
     let (count, others) = shared.count_legal(witnesses);
     let scope = shared.describe(witnesses);
+    let judged = match has_unjudged_files(witnesses, &shared.cases) {
+        true => "judged legal",
+        false => "legal",
+    };
     let files = match others {
         _ if count == 0 => format!(
             "{} files {scope} that need not be decoded",
             shared.cases.len()
         ),
-        _ if has_unjudged_files(witnesses, &shared.cases) => match count {
-            1 => format!("a legal file {scope}"),
-            count => format!("{count} legal files {scope}"),
-        },
-        0 => format!("every legal file {scope}"),
+        0 => format!("every {judged} file {scope}"),
         others => {
             let all = count + others;
-            format!("{count} of {all} legal files {scope} (the others also fail)")
+            format!("{count} of {all} {judged} files {scope} (the others also fail)")
         }
     };
     match shared.cases.len() - count {
