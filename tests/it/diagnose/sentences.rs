@@ -644,6 +644,19 @@ fn one_number_parser_is_one_cause_without_a_mechanism() {
     .assert_true();
 }
 
+/// The decoder reads any first line as that of version 1.2.
+#[test]
+fn one_missing_check_is_one_cause() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| {
+        let file = respelled(request.file, &["2.1/1"], |_| Some("PTM_1.2".to_owned()));
+        answer_with(&[], &Request::new("", request.view, &file, 1 << 24))
+    })
+    .never_says("anywhere in the first line")
+    .has_at_most(2)
+    .assert_true();
+}
+
 // Statements about arithmetic
 
 fn rounded(value: f64) -> f64 {
@@ -1486,4 +1499,47 @@ fn exceeded_limits_are_not_listed_under_a_misreading_of_values() {
         }
     }
     printed.says(&[mistake.effect]).assert_true();
+}
+
+// Coincidences of several decoders
+
+/// The decoder reads green and blue of RGB from memory that is 0.
+#[test]
+fn a_channel_that_does_not_exist_explains_no_color() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| {
+        let Answer::Decoded(mut frame) = reference_answer(request) else {
+            return reference_answer(request);
+        };
+        let is_rgb = decode_as(request.file, &Reading::SPEC, &Limits::default())
+            .is_ok_and(|ptm| ptm.planes.shape.channels() == 18);
+        if let (true, ViewKind::Rgb, Samples::U8(colors)) = (is_rgb, frame.view, &mut frame.samples)
+        {
+            for color in colors.chunks_exact_mut(3) {
+                color[1..].fill(0);
+            }
+        }
+        Answer::Decoded(frame)
+    })
+    .never_says("the channel of coefficient")
+    .has_at_most(2)
+    .assert_true();
+}
+
+/// The decoder refuses tables in all files that are requested in view rgb, and in most others.
+#[test]
+fn refusals_in_most_views_are_not_refusals_of_one_view() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| {
+        let format = decode_as(request.file, &Reading::SPEC, &Limits::default());
+        let has_table =
+            format.is_ok_and(|ptm| matches!(ptm.header.format, Format::PtmLut | Format::PtmCLut));
+        let is_read = request.view.kind() != ViewKind::Rgb && request.file.len() % 5 == 0;
+        match reference_answer(request) {
+            Answer::Decoded(_) if has_table && !is_read => Answer::Rejected,
+            answer => answer,
+        }
+    })
+    .never_says("requested in view rgb")
+    .assert_true();
 }

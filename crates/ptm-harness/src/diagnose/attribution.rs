@@ -82,7 +82,10 @@ fn is_founded(
     left: &[usize],
 ) -> bool {
     let others = || rules::count_failures_of_the_same_kind(search.witnesses, explained, left);
-    let are_refusals = search.mistakes[id].misreading.symptom == Symptom::Refusals;
+    let symptom = search.mistakes[id].misreading.symptom;
+    let [are_refusals, are_acceptances] =
+        [Symptom::Refusals, Symptom::Acceptances].map(|kind| symptom == kind);
+    let accepted = || acceptances::count_of_the_same_kind(search.witnesses, explained, left);
     let read = || rules::count_files_read(search.witnesses, explained);
     let covers_its_kind = || match rules::is_shown(search, set, id, explained) {
         false => others() == 0,
@@ -93,6 +96,7 @@ fn is_founded(
         && rules::explains_most_of_what_it_changes(search, set, id, explained, left)
         && !refusals::is_part_of_a_larger_group(search.witnesses, explained)
         && !refusals::is_single_among_others(search.witnesses, explained, left)
+        && (!are_acceptances || accepted() <= explained.len())
         && covers_its_kind()
         && !search.is_contradicted_anywhere(&without_id(set, id), id)
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::failure_mode::{FailureMode, message_form};
 use super::place::Step;
+use super::properties::VIEW_PROPERTIES;
 use super::rules;
 use super::scope::{FileScope, SharedScope, common_property, format_sets, shared_scope};
 use super::search::{MistakeSet, Search};
@@ -105,13 +106,18 @@ fn join_unknown_messages(witnesses: &[Witness], by_message: &mut BTreeMap<String
     }
 }
 
-/// Returns what a substantial part of the files without an image share and no file in `read` has.
+/// Returns what a substantial part of the files without an image share and no file in `read` has. Most of them must share a view,
+/// because few decoders open a file only for some views.
 fn stop_scope(witnesses: &[Witness], open: &[usize], read: &[usize]) -> Option<SharedScope> {
     let sets = format_sets(witnesses, open);
     sets.iter().find_map(|formats| {
         let shared = shared_scope(witnesses, formats, open, read, true)?;
         // A property shared by a few of many files is a coincidence.
-        is_substantial(shared.cases.len(), open.len()).then_some(shared)
+        let is_shared = match shared.scope {
+            FileScope::Property(index, _) if index < VIEW_PROPERTIES => is_most,
+            _ => is_substantial,
+        };
+        is_shared(shared.cases.len(), open.len()).then_some(shared)
     })
 }
 

@@ -270,6 +270,12 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
         let raw = |node: &Expression| matches!(node, Expression::Variable(0));
         all.retain(|one| matches!(one, Expression::Number(_)) || contains(one, &raw));
     }
+    // If there is no such channel in this texel or the next, the color is 0, which shows nothing else.
+    if let Formula::IntensityChannel | Formula::ColorChannel = formula {
+        let variables = |n: u8| [n % 3, n / 3].map(f64::from);
+        let is_near = |channel: f64| channel.fract() == 0.0 && channel.abs() < 36.0;
+        all.retain(|one| (0..9).all(|n| is_near(one.value(&variables(n), &[]))));
+    }
     // A color of an image may be rounded.
     if formula == Formula::Rendering {
         all.retain(|expression| !rounds(expression));

@@ -10,27 +10,45 @@ use ptm_suite::verdicts::observation::Response;
 /// Describes acceptances, grouped by the ruling that makes the files malformed or by the violated clause, and removes them from
 /// `left`.
 pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> {
-    let accepted = |&w: &usize| {
-        let witness = &witnesses[w];
-        witness.case.expect.is_refusal()
-            && matches!(witness.observation.response, Response::Image { .. })
-    };
     let mut groups: Vec<(&str, Vec<usize>)> = Vec::new();
-    for w in left.iter().copied().filter(accepted) {
-        let witness = &witnesses[w];
-        let rule = witness.case.ruling.as_deref();
-        let rule = rule.unwrap_or_else(|| violated_clause(witness));
+    left.retain(|&w| {
+        let Some(rule) = violated_rule(&witnesses[w]) else {
+            return true;
+        };
         match groups.iter_mut().find(|(known, _)| *known == rule) {
             Some((_, indices)) => indices.push(w),
             None => groups.push((rule, vec![w])),
         }
-    }
-    left.retain(|w| !accepted(w));
+        false
+    });
     groups.sort_by_key(|(_, indices)| std::cmp::Reverse(indices.len()));
     groups
         .into_iter()
         .map(|(_, cases)| describe_group(witnesses, &cases))
         .collect()
+}
+
+/// *One mistake is one cause.*
+///
+/// Counts the acceptances in `left` that violate the same ruling or clause as one in `cases`.
+pub(in crate::diagnose) fn count_of_the_same_kind(
+    witnesses: &[Witness],
+    cases: &[usize],
+    left: &[usize],
+) -> usize {
+    let rule = |w: &usize| violated_rule(&witnesses[*w]);
+    let is_same = |other: &&usize| {
+        rule(other).is_some_and(|violated| cases.iter().any(|w| rule(w) == Some(violated)))
+    };
+    left.iter().filter(is_same).count()
+}
+
+/// Returns the ruling or clause that an accepted malformed file violates, or `None` if the response is no acceptance.
+fn violated_rule<'w>(witness: &'w Witness<'_>) -> Option<&'w str> {
+    let is_accepted = witness.case.expect.is_refusal()
+        && matches!(witness.observation.response, Response::Image { .. });
+    let ruling = witness.case.ruling.as_deref();
+    is_accepted.then(|| ruling.unwrap_or_else(|| violated_clause(witness)))
 }
 
 /// Describes accepted malformed files.
