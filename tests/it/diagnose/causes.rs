@@ -185,6 +185,9 @@ float place | 3 * v | any | 3 * v instead of
 color place | t * 4 + k | any | t * 4 + k instead of
 color place | select(at_most(abs(t), 0), none, t * 3 + k) | any | (none if t = 0, else t * 3 + k)
 color place | select(at_most(n - 1, t), none, t * 3 + k) | any | where n is the number of texels
+color place | select(at_most(abs(t), 0), t * 3 + k, none) | any | (t * 3 + k if t = 0, else none)
+final coefficient | select(at_most(i, 0), (raw - bias[i]) * scale[i], 0) | any | ((raw - bias[i]) * scale[i] if i <= 0, else 0)
+final coefficient | select(at_most(abs(i - 5), 0), 0, (raw - bias[i]) * scale[i]) | any | 0 instead of && only in a5
 shown value | max(max(value, 0), 255) | any | max(max(value, 0), 255) instead of
 channel of a coefficient | c * 6 + i - 1 | any | c * 6 + i + -1 instead of
 matrix row | m[k] * Y + m[12 + k] * Cr + m[8 + k] * Cb + m[12 + k] | rgb | m[12 + k] * Cr

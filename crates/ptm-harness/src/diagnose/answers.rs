@@ -20,25 +20,50 @@ const TINY: f64 = 1e-6;
 impl Witness<'_> {
     /// Returns the answer of a decoder that makes these `mistakes`.
     pub fn answer(&self, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
+        let (whole, partial) = self.in_scope(mistakes);
+        match partial.is_empty() {
+            true => self.answer_of_misreadings(&whole),
+            false => Cow::Owned(self.answer_to(&self.built.file, self.reading, &whole, &partial)),
+        }
+    }
+
+    /// Returns the answer of a decoder that makes these mistakes to a request for `file`, in this reading.
+    pub fn answer_in(&self, reading: Reading, file: &[u8], mistakes: &[&Mistake]) -> Answer {
+        let (whole, partial) = self.in_scope(mistakes);
+        self.answer_to(file, reading, &whole, &partial)
+    }
+
+    /// Returns the mistakes that affect the format of the file in all channels, and those that affect some channels.
+    fn in_scope<'m>(
+        &self,
+        mistakes: &[&'m Mistake],
+    ) -> (Vec<&'static Misreading>, Vec<&'m Mistake>) {
         let in_scope = mistakes
             .iter()
             .filter(|mistake| mistake.affects(self.case.format()));
         let (whole, partial): (Vec<&Mistake>, Vec<&Mistake>) = in_scope
             .copied()
             .partition(|mistake| mistake.channels == ChannelSubset::All);
-        let whole: Vec<&Misreading> = whole.iter().map(|mistake| mistake.misreading).collect();
-        match partial.is_empty() {
-            true => self.answer_of_misreadings(&whole),
-            false => Cow::Owned(self.answer_in_some_channels(&whole, &partial)),
-        }
+        let whole = whole.iter().map(|mistake| mistake.misreading);
+        (whole.collect(), partial)
     }
 
     /// Returns the answer of a decoder that makes the mistakes in `whole` in all channels, and those in `partial` in some. Stored
     /// values, final values and colors are computed one after the other, and each mistake changes only its channels of the first
     /// that it affects.
-    fn answer_in_some_channels(&self, whole: &[&Misreading], partial: &[&Mistake]) -> Answer {
+    fn answer_to(
+        &self,
+        file: &[u8],
+        reading: Reading,
+        whole: &[&Misreading],
+        partial: &[&Mistake],
+    ) -> Answer {
+        if partial.is_empty() {
+            return ptm_mistakes::answer(whole, reading, file, &self.observation.view);
+        }
+        let unchanged = reading;
         let read = |mistakes: &[&Misreading]| {
-            let (ptm, reading) = ptm_mistakes::read(mistakes, self.reading, &self.built.file)?;
+            let (ptm, reading) = ptm_mistakes::read(mistakes, unchanged, file)?;
             Ok((ptm_mistakes::stored_values(mistakes, &ptm), reading))
         };
         let (mut ptm, reading) = match read(whole) {
@@ -64,7 +89,7 @@ impl Witness<'_> {
             }
         }
         let decisions = |mistakes: &[&Misreading]| {
-            let reading = ptm_mistakes::apply_to_reading(mistakes, self.reading);
+            let reading = ptm_mistakes::apply_to_reading(mistakes, unchanged);
             (reading, ptm_mistakes::formula_edits(mistakes))
         };
         let frame = |samples| Answer::Decoded(Frame::of_map(&ptm, view, samples));

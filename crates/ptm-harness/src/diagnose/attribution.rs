@@ -83,9 +83,7 @@ fn is_founded(
 ) -> bool {
     let others = || rules::count_failures_of_the_same_kind(search.witnesses, explained, left);
     let symptom = search.mistakes[id].misreading.symptom;
-    let [are_refusals, are_acceptances] =
-        [Symptom::Refusals, Symptom::Acceptances].map(|kind| symptom == kind);
-    let accepted = || acceptances::count_of_the_same_kind(search.witnesses, explained, left);
+    let are_refusals = symptom == Symptom::Refusals;
     let read = || rules::count_files_read(search.witnesses, explained);
     let covers_its_kind = || match rules::is_shown(search, set, id, explained) {
         false => others() == 0,
@@ -96,7 +94,9 @@ fn is_founded(
         && rules::explains_most_of_what_it_changes(search, set, id, explained, left)
         && !refusals::is_part_of_a_larger_group(search.witnesses, explained)
         && !refusals::is_single_among_others(search.witnesses, explained, left)
-        && (!are_acceptances || accepted() <= explained.len())
+        && (symptom != Symptom::Acceptances
+            || acceptances::count_of_the_same_kind(search.witnesses, explained, left)
+                <= explained.len())
         && covers_its_kind()
         && !search.is_contradicted_anywhere(&without_id(set, id), id)
 }
@@ -110,14 +110,6 @@ fn describe_shares(
 ) -> Attribution {
     let set = ids_of(found);
     let mut diagnoses = Vec::new();
-    for (member, share) in found.iter().zip(&mut shares) {
-        left.extend(rules::take_exceeded_limits(
-            search,
-            &set,
-            member.id,
-            &mut share.explains,
-        ));
-    }
     for formats in whole {
         diagnoses.extend(diagnose_whole_formats(
             search,
@@ -145,21 +137,29 @@ fn share_failures(search: &Search, set: &MistakeSet) -> (Vec<Share>, Vec<usize>)
     let mut shares = vec![Share::default(); set.len()];
     let failed = search.failing();
     let needed = search.par_map(&failed, |&w| needed_mistakes(search, w, set));
-    for (w, needed) in failed.into_iter().zip(needed) {
-        // List the case under the last mistake that it needs.
-        let Some((&last, others)) = needed.split_last() else {
-            left.push(w);
-            continue;
-        };
-        shares[last].explains.push(w);
-        for &other in others {
-            if !shares[last].with.contains(&set[other]) {
-                shares[last].with.push(set[other]);
-            }
+    // List each case under the last mistake that it needs.
+    for (&w, needed) in failed.iter().zip(&needed) {
+        match needed.last() {
+            Some(&last) => shares[last].explains.push(w),
+            None => left.push(w),
         }
     }
-    for share in &mut shares {
-        rules::sort_smallest_first(search.witnesses, &mut share.explains);
+    for (&id, share) in set.iter().zip(&mut shares) {
+        let explained = &mut share.explains;
+        left.extend(rules::take_exceeded_limits(search, set, id, explained));
+        rules::sort_smallest_first(search.witnesses, explained);
+    }
+    for (w, needed) in failed.iter().zip(&needed) {
+        let Some((&last, others)) = needed.split_last() else {
+            continue;
+        };
+        let Share { explains, with } = &mut shares[last];
+        let others = others.iter().map(|&other| set[other]);
+        for other in others.filter(|_| explains.contains(w)) {
+            if !with.contains(&other) {
+                with.push(other);
+            }
+        }
     }
     (shares, left)
 }

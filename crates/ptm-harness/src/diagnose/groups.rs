@@ -111,13 +111,13 @@ fn join_unknown_messages(witnesses: &[Witness], by_message: &mut BTreeMap<String
 fn stop_scope(witnesses: &[Witness], open: &[usize], read: &[usize]) -> Option<SharedScope> {
     let sets = format_sets(witnesses, open);
     sets.iter().find_map(|formats| {
-        let shared = shared_scope(witnesses, formats, open, read, true)?;
+        let scope = |with_view| shared_scope(witnesses, formats, open, read, with_view);
+        let is_view = |shared: &SharedScope| matches!(shared.scope, FileScope::Property(index, _) if index < VIEW_PROPERTIES);
+        let is_most = |shared: &SharedScope| is_most(shared.cases.len(), open.len());
+        let shared = scope(true).filter(|shared| !is_view(shared) || is_most(shared));
+        let shared = shared.or_else(|| scope(false))?;
         // A property shared by a few of many files is a coincidence.
-        let is_shared = match shared.scope {
-            FileScope::Property(index, _) if index < VIEW_PROPERTIES => is_most,
-            _ => is_substantial,
-        };
-        is_shared(shared.cases.len(), open.len()).then_some(shared)
+        is_substantial(shared.cases.len(), open.len()).then_some(shared)
     })
 }
 

@@ -84,7 +84,7 @@ impl ImagePair {
 }
 
 /// Returns the received image and the image of a decoder with these mistakes, or `None` if their shapes differ. Without mistakes,
-/// the expected values are exact, and the wrong samples are those of the verdict.
+/// colors are expected as before rounding, as in the verdict, unless the reference's dialect gives another image.
 pub(super) fn image_pair(search: &Search, set: &[MistakeId], w: usize) -> Option<ImagePair> {
     let witness = &search.witnesses[w];
     let received = witness.wrong_image()?;
@@ -93,20 +93,11 @@ pub(super) fn image_pair(search: &Search, set: &[MistakeId], w: usize) -> Option
     };
     let mut pair = ImagePair::new(witness, expected, received)?;
     if set.is_empty()
-        && let Some(exact) = exact_values(witness, &pair)
+        && pair.view == ViewKind::Rgb
+        && let Some(exact) = Expected::new(&witness.built.values, &witness.observation.view)
+        && exact.frame().samples == expected.samples
     {
-        pair.expected = exact;
+        pair.expected = exact.values;
     }
     Some(pair)
-}
-
-/// Returns the expected values before rounding, if the reference's dialect is that of the decoder.
-fn exact_values(witness: &Witness, pair: &ImagePair) -> Option<Vec<f64>> {
-    let expected = Expected::new(&witness.built.values, &witness.observation.view)?;
-    let is_rounded =
-        |(exact, rounded): (&f64, &f64)| (exact.clamp(0.0, 255.0) - rounded).abs() <= 1.0;
-    let is_pair = expected.view == ViewKind::Rgb
-        && expected.values.len() == pair.expected.len()
-        && expected.values.iter().zip(&pair.expected).all(is_rounded);
-    is_pair.then_some(expected.values)
 }

@@ -1,60 +1,49 @@
 //! Open questions whose readings a mistake imitates.
 
-use super::attribution::Attribution;
-use super::diagnosis::Cause;
+use super::image_pair::ImagePair;
 use super::mistake::Mistake;
-use super::search::Search;
-use super::witness::{equal_up_to_rounding, reading_in_dialect};
+use super::search::{MistakeId, Search};
+use super::witness::{inferred_dialect, reading_in_dialect};
 use crate::session::run::Run;
 use ptm_suite::choices::CHOICES;
 use ptm_suite::dialect::{Axis, Dialect};
 use ptm_suite::protocol::frame::Answer;
 
-/// Returns the rulings of open questions whose readings the passing images do not show. Either a named mistake violates the
+/// Returns the rulings of open questions whose readings the passing images do not show. Either a mistake in `set` violates the
 /// ruling, or the mistakes and the reference's reading give the same images.
 pub(super) fn imitated_readings(
     search: &Search,
     run: &Run,
-    found: &Attribution,
+    set: &[MistakeId],
 ) -> Vec<&'static str> {
-    let violated = found.diagnoses.iter().flat_map(|diagnosis| {
-        let Cause::Misreading {
-            misreading,
-            accompanying,
-            ..
-        } = &diagnosis.cause
-        else {
-            return Vec::new();
-        };
-        let named = std::iter::once(misreading).chain(accompanying);
-        named.filter_map(|one| one.violates).collect()
-    });
-    let axes = (0..CHOICES.len()).filter(|&axis| is_imitated(search, run, found, axis));
-    violated
-        .chain(axes.map(|axis| CHOICES[axis].ruling))
-        .collect()
+    let mistakes = search.mistakes_in(&[&search.assumed[..], set].concat());
+    let violated = mistakes.iter().filter_map(|one| one.misreading.violates);
+    let axes = (0..CHOICES.len()).filter(|&axis| is_imitated(search, run, &mistakes, axis));
+    let imitated = axes.map(|axis| CHOICES[axis].ruling);
+    violated.chain(imitated).collect()
 }
 
 /// Returns true if a decoder with the mistakes, and with the reference's reading of one question, shows all passing images that
 /// seem to show another reading.
-fn is_imitated(search: &Search, run: &Run, found: &Attribution, axis: Axis) -> bool {
-    let Dialect(mut choices) = run.judgment.dialect.clone();
-    if found.set.is_empty() || std::mem::take(&mut choices[axis]) == 0 {
+fn is_imitated(search: &Search, run: &Run, mistakes: &[&Mistake], axis: Axis) -> bool {
+    let Dialect(mut choices) = inferred_dialect(run);
+    if mistakes.is_empty() || std::mem::take(&mut choices[axis]) == 0 {
         return false;
     }
     let reading = reading_in_dialect(run, &Dialect(choices));
-    let mistakes: Vec<&Mistake> = found.set.iter().map(|&id| &search.mistakes[id]).collect();
     let passing = search.witnesses.iter().filter(|witness| !witness.failed);
-    let mut is_shown = passing.filter_map(|witness| {
+    let mut shown = passing.filter_map(|witness| {
         let received = witness.wrong_image()?;
-        let shows = |mistakes: &[&Mistake]| {
-            let (file, view) = (&witness.built.file, &witness.observation.view);
-            let misreadings = witness.misreadings_in_scope(mistakes);
-            let answer = ptm_mistakes::answer(&misreadings, reading, file, view);
-            matches!(answer, Answer::Decoded(image) if equal_up_to_rounding(&image, received))
+        let differs = |mistakes: &[&Mistake]| {
+            let Answer::Decoded(image) = witness.answer_in(reading, &witness.built.file, mistakes)
+            else {
+                return true;
+            };
+            let pair = ImagePair::new(witness, &image, received);
+            pair.is_none_or(|pair| !pair.wrong_samples().is_empty())
         };
         // An image that follows the reference's reading shows nothing about the question.
-        (!shows(&[])).then(|| !shows(&mistakes))
+        differs(&[]).then(|| differs(mistakes))
     });
-    is_shown.next() == Some(false) && !is_shown.any(|shown| shown)
+    shown.next() == Some(false) && shown.all(|is_shown| !is_shown)
 }

@@ -93,12 +93,12 @@ pub fn diagnose_among(
         search.run(edits::add_candidates)
     };
     let attribution = attribution::attribute_failures(&search, found);
-    let imitated = imitated::imitated_readings(&search, run, &attribution);
     let mut causes = describe_rest(&search, &attribution.set, attribution.left);
     causes.extend(attribution.diagnoses);
     if search.is_interrupted() {
         return diagnoses.into();
     }
+    let imitated = imitated::imitated_readings(&search, run, &attribution.set);
     causes.append(&mut diagnoses);
     // A mechanism tells more than a description, so it counts as much as a description of four times as many failures.
     causes.sort_by_key(|diagnosis| {

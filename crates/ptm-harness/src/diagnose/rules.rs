@@ -154,7 +154,7 @@ pub(super) fn is_shown_by_responses(
     }
 }
 
-/// *A failure that a cause does not reproduce is not listed under it.*
+/// *An exceeded time limit is not listed under wrong values.*
 ///
 /// Takes the exceeded time limits out of `explained` if images show the mistake: a decoder that computes other values than the
 /// reference, and finds them outside the data, ends at once.
@@ -164,13 +164,16 @@ pub(super) fn take_exceeded_limits(
     id: MistakeId,
     explained: &mut Vec<usize>,
 ) -> Vec<usize> {
-    let is_by_images = search.mistakes[id].misreading.symptom == Symptom::Values
-        && is_shown(search, set, id, explained);
-    let is_late = |w: &mut usize| {
-        let mode = FailureMode::new(&search.witnesses[*w]);
-        is_by_images && matches!(mode, Some(FailureMode::TimesOut(_)))
+    let is_late = |w: usize| {
+        let response = &search.witnesses[w].observation.response;
+        response.time_limit().is_some()
     };
-    explained.extract_if(.., is_late).collect()
+    let is_by_images = explained.iter().any(|&w| is_late(w))
+        && search.mistakes[id].misreading.symptom == Symptom::Values
+        && is_shown(search, set, id, explained);
+    explained
+        .extract_if(.., |w| is_by_images && is_late(*w))
+        .collect()
 }
 
 /// *One mistake is one cause.*

@@ -35,9 +35,9 @@ pub(super) struct Witness<'a> {
     /// Sections of the specification that do not apply to the file.
     pub unused_sections: Vec<&'static str>,
     pub failed: bool,
-    /// Number of judged legal files of the same format.
+    /// Number of legal files of the same format that were asked.
     pub legal_files: usize,
-    /// Number of judged legal files of the same format whose cases are inconclusive.
+    /// Number of these files whose cases are inconclusive.
     pub inconclusive_files: usize,
     /// The dialect in which the decoder was judged. Mistakes are applied to it.
     pub reading: Reading,
@@ -196,8 +196,7 @@ impl Witness<'_> {
         let (Some(file), Some(received)) = (&self.twin_file, self.wrong_image()) else {
             return false;
         };
-        let misreadings = self.misreadings_in_scope(mistakes);
-        let answer = self.answer_to_file(&misreadings, file);
+        let answer = self.answer_in(self.reading, file, mistakes);
         matches!(answer, Answer::Decoded(image) if equal_up_to_rounding(&image, received))
     }
 
@@ -470,13 +469,18 @@ pub(super) fn is_after_decoding(misreading: &Misreading) -> bool {
 
 /// Returns the choices that were inferred for the decoder.
 pub fn dialect_reading(run: &Run) -> Reading {
+    reading_in_dialect(run, &inferred_dialect(run))
+}
+
+/// Returns the dialect of the decoder, with the reference's reading of questions that no answer settles.
+pub(super) fn inferred_dialect(run: &Run) -> Dialect {
     let judgment = &run.judgment;
     let choices = judgment.dialect.0.iter().zip(&judgment.certainties);
-    let settled = choices.map(|(&reading, certain)| match certain {
+    let inferred = choices.map(|(&reading, certain)| match certain {
         Certainty::Open => 0,
         _ => reading,
     });
-    reading_in_dialect(run, &Dialect(settled.collect()))
+    Dialect(inferred.collect())
 }
 
 /// Returns true if the correct image depends on an open question that the decoder answers differently from the reference.

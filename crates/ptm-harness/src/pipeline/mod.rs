@@ -414,7 +414,7 @@ fn panic_message(panic: &(dyn Any + Send)) -> String {
 
 /// Adds causes to a report, and a remark if the search panicked or was interrupted. Readings that a mistake imitates are removed.
 fn add_causes(mut report: Report, found: FoundCauses, was_interrupted: bool) -> Report {
-    (report.dialect).retain(|followed| !found.imitated.contains(&&*followed.ruling));
+    report.remove_readings(&found.imitated);
     report.diagnoses = found.causes;
     if !found.faults.is_empty() {
         report.remarks.push(Remark::note(format!(

@@ -64,6 +64,12 @@ impl Report {
         self.diagnoses = likely_causes(suite, diagnoses);
         self
     }
+
+    /// Removes the readings of these open questions from the dialect.
+    pub fn remove_readings(&mut self, rulings: &[&str]) {
+        self.dialect
+            .retain(|followed| !rulings.contains(&&*followed.ruling));
+    }
 }
 
 /// Creates a report on a run of any suite. `features` returns the features that a decoder may need for a case.

@@ -39,7 +39,7 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
 ];
 
 /// Edits that no operator generates: the name of the formula, and the expression.
-const FURTHER_EDITS: [(Formula, &str); 56] = [
+const FURTHER_EDITS: [(Formula, &str); 57] = [
     // The limits of a color are exchanged.
     (
         Formula::Rendering,
@@ -53,6 +53,11 @@ const FURTHER_EDITS: [(Formula, &str); 56] = [
     (Formula::ByteNumber, "raw / 256"),
     (Formula::ByteNumber, "raw + 1"),
     (Formula::ByteNumber, "raw - 1"),
+    // A loop over the scales and biases has one iteration.
+    (
+        Formula::FinalCoefficient,
+        "select(at_most(i, 0), (raw - bias[i]) * scale[i], 0)",
+    ),
     // A loop over the texels is too short, or ends after one iteration.
     (Formula::StoredValue, "select(at_most(abs(t), 0), 0, raw)"),
     (Formula::StoredValue, "select(at_most(n - 1, t), 0, raw)"),
@@ -77,7 +82,7 @@ const FURTHER_EDITS: [(Formula, &str); 56] = [
     (Formula::ColorPlace, "t * 3 - k"),
     (Formula::ColorPlace, "t * 3 + k + 1"),
     (Formula::ColorPlace, "t * 3 + k - 1"),
-    // A loop over the texels is too short, or ends after one iteration.
+    // A loop over the texels is too short, or has one iteration.
     (
         Formula::ColorPlace,
         "select(at_most(abs(t), 0), none, t * 3 + k)",
@@ -270,11 +275,12 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
         let raw = |node: &Expression| matches!(node, Expression::Variable(0));
         all.retain(|one| matches!(one, Expression::Number(_)) || contains(one, &raw));
     }
-    // If there is no such channel in this texel or the next, the color is 0, which shows nothing else.
+    // If there is no such channel in or near the texel, the color is 0, which shows nothing else.
     if let Formula::IntensityChannel | Formula::ColorChannel = formula {
-        let variables = |n: u8| [n % 3, n / 3].map(f64::from);
         let is_near = |channel: f64| channel.fract() == 0.0 && channel.abs() < 36.0;
-        all.retain(|one| (0..9).all(|n| is_near(one.value(&variables(n), &[]))));
+        // Coefficient i of color c; color k is the first variable.
+        let variables = |n: u8| [n % 6, n / 6].map(f64::from);
+        all.retain(|one| (0..18).all(|n| is_near(one.value(&variables(n), &[]))));
     }
     // A color of an image may be rounded.
     if formula == Formula::Rendering {

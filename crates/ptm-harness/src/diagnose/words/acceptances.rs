@@ -28,8 +28,6 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
         .collect()
 }
 
-/// *One mistake is one cause.*
-///
 /// Counts the acceptances in `left` that violate the same ruling or clause as one in `cases`.
 pub(in crate::diagnose) fn count_of_the_same_kind(
     witnesses: &[Witness],
@@ -43,7 +41,7 @@ pub(in crate::diagnose) fn count_of_the_same_kind(
     left.iter().filter(is_same).count()
 }
 
-/// Returns the ruling or clause that an accepted malformed file violates, or `None` if the response is no acceptance.
+/// Returns the ruling or clause that an accepted malformed file violates, or `None` if the response is not an acceptance.
 fn violated_rule<'w>(witness: &'w Witness<'_>) -> Option<&'w str> {
     let is_accepted = witness.case.expect.is_refusal()
         && matches!(witness.observation.response, Response::Image { .. });

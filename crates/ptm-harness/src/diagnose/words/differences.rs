@@ -234,7 +234,10 @@ fn value_text(search: &Search, cases: &[usize]) -> String {
     };
     let cases = cases.iter().filter(|w| view(w) == first);
     let (mut value, mut count) = (None, 0);
-    for pair in cases.filter_map(|&w| image_pair(search, &[], w)) {
+    for &w in cases {
+        let Some(pair) = image_pair(search, &[], w) else {
+            return String::new();
+        };
         for i in pair.wrong_samples() {
             let received = pair.received[i];
             let bits = if received.is_nan() {

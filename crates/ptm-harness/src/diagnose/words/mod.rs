@@ -30,7 +30,7 @@ fn files_of_group(witnesses: &[Witness], group: &Group) -> String {
 }
 
 /// Describes the files in a scope: "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if other
-/// files in the scope fail in another way. Legal files are "judged" ones if others of their formats were not judged.
+/// files in the scope fail in another way. Says "judged legal" if some legal files of these formats were not judged.
 fn files_in_scope(witnesses: &[Witness], shared: &SharedScope) -> String {
     let (count, others) = shared.count_legal(witnesses);
     let scope = shared.describe(witnesses);
