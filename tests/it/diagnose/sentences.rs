@@ -1442,7 +1442,7 @@ fn coefficients_of_another_color_are_named() {
         Answer::Decoded(frame)
     };
     printed_report(&suite, decoder)
-        .says(&["the channel of coefficient i of color c as c * 5 + i"])
+        .says(&["the channel of coefficient i of a color as c * 5 + i"])
         .says(&["only in green"])
         .assert_true();
 }

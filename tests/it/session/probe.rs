@@ -145,7 +145,7 @@ fn missing_output_is_explained() {
         r#"
 3 | exit 69 | exits with 69 (unsupported) on an ordinary file of every format
 3 | exit 65 | rejected && this is an ordinary file
-3 | echo Traceback >&2; exit 1 | crash: exit status 1↵  last line of its standard error: Traceback
+3 | echo Traceback >&2; exit 1 | crash: exit status 1↵  last message on its standard error: Traceback
 3 | exit 0 | standard output is empty && flush it
 3 | right "$@" >&2 | not to standard error
 3 | kill -SEGV $$ | killed by signal 11 && in a debugger

@@ -74,7 +74,7 @@ pub(super) fn for_functions(text: &str) -> String {
         }
         text = text.replace(&format!("exit status {status}"), &exception);
     }
-    text.replace("last line of its standard error", "its message")
+    text.replace("last message on its standard error", "its message")
         .replace("on standard error", "as a message")
         .replace("standard error", "message")
 }
@@ -137,7 +137,10 @@ mod tests {
                 "exit with status 65",
                 "raise the exception for malformed files",
             ),
-            ("last line of its standard error: bad", "its message: bad"),
+            (
+                "last message on its standard error: bad",
+                "its message: bad",
+            ),
             ("the width is 65", "the width is 65"),
         ] {
             assert_eq!(for_functions(program), function);

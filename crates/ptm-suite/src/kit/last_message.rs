@@ -12,6 +12,9 @@ const TRAILER_PREFIXES: [&str; 8] = [
     "BEGIN failed",
 ];
 
+/// The beginning of the last line that Node.js prints after an error that no code handles.
+const NODE_VERSION: &str = "\nNode.js v";
+
 /// The line with which Python begins the trace of an exception.
 const PYTHON_TRACE: &str = "Traceback (most recent call last):";
 
@@ -19,7 +22,7 @@ const PYTHON_TRACE: &str = "Traceback (most recent call last):";
 #[must_use]
 pub fn quote_last_message(separator: &str, stderr: &str) -> String {
     last_message(stderr).map_or(String::new(), |line| {
-        format!("{separator}last line of its standard error: {line}")
+        format!("{separator}last message on its standard error: {line}")
     })
 }
 
@@ -31,6 +34,15 @@ pub fn last_message(stderr: &str) -> Option<&str> {
         let mut lines = trace.lines().filter(|line| !line.is_empty());
         let message = lines.find(|line| !line.starts_with([' ', '\t']));
         if let Some(message) = message {
+            return Some(message.trim_end());
+        }
+    }
+    if let Some((trace, _)) = stderr.rsplit_once(NODE_VERSION) {
+        // The locations, and then the properties of the error, follow the message.
+        let location = |line: &&str| line.starts_with("    at ");
+        let before = trace.lines().take_while(|line| !location(line));
+        let message = before.filter(|line| !line.trim().is_empty()).last();
+        if let Some(message) = message.filter(|_| trace.lines().any(|line| location(&line))) {
             return Some(message.trim_end());
         }
     }
@@ -63,6 +75,11 @@ mod tests {
     fn last_message_omits_interpreter_trailers() {
         let node = "dec.js:3\n  f();\n  ^\n\nTypeError: f is not a function\n    at main (dec.js:3:5)\n\nNode.js v20.20.2\n";
         assert_eq!(last_message(node), Some("TypeError: f is not a function"));
+        let with_code = "d.js:3\n  f();\n  ^\n\nRangeError [ERR_OUT_OF_RANGE]: too large\n    at f (d.js:3:5) {\n  code: 'ERR_OUT_OF_RANGE'\n}\n\nNode.js v20.20.2\n";
+        assert_eq!(
+            last_message(with_code),
+            Some("RangeError [ERR_OUT_OF_RANGE]: too large")
+        );
         let python =
             "Traceback (most recent call last):\n  File \"d.py\", line 1\nValueError: bad\n";
         assert_eq!(last_message(python), Some("ValueError: bad"));
