@@ -362,7 +362,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
         ("2.0/1", "with {} bytes of header", Some(header)),
         ("2.4/3", "with a number of {} characters", longest_number),
         ("2.0/1", "with {} bytes in one line of the header", longest),
-        ("2.5/2", "whose table size is {}", entries),
+        ("2.5/2", "whose number of table entries is {}", entries),
         ("2.9.4/3", "whose largest rank is {}", rank),
         (
             "2.9.3/1",
