@@ -153,11 +153,10 @@ fn share_failures(search: &Search, set: &MistakeSet) -> (Vec<Share>, Vec<usize>)
         let Some((&last, others)) = needed.split_last() else {
             continue;
         };
-        let Share { explains, with } = &mut shares[last];
-        let others = others.iter().map(|&other| set[other]);
-        for other in others.filter(|_| explains.contains(w)) {
-            if !with.contains(&other) {
-                with.push(other);
+        let share = &mut shares[last];
+        for &other in others {
+            if !share.with.contains(&set[other]) && share.explains.contains(w) {
+                share.with.push(set[other]);
             }
         }
     }
