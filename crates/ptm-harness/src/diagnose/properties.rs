@@ -39,6 +39,9 @@ struct File<'a> {
     data: &'a [u8],
     /// The scales, biases and matrix elements, as written in the file.
     numbers: [Vec<&'a str>; 3],
+    /// The number of table entries, as written in the file.
+    entries: Option<u32>,
+    indices: &'a [u8],
 }
 
 impl<'a> File<'a> {
@@ -53,6 +56,8 @@ impl<'a> File<'a> {
                 .filter_map(text)
                 .collect()
         };
+        let mut fields = witness.fields().iter();
+        let indices = fields.find(|field| field.clause == "2.8.1/1");
         let compressed = witness.model().and_then(|model| model.compressed.as_ref());
         File {
             view: &witness.observation.view,
@@ -71,12 +76,9 @@ impl<'a> File<'a> {
             header,
             data,
             numbers: [texts("2.4/3"), texts("2.4/4"), texts("2.6/2")],
+            entries: texts("2.5/2").iter().find_map(|text| text.parse().ok()),
+            indices: indices.map_or(&[], |field| &file[field.range.clone()]),
         }
-    }
-
-    fn entries(&self) -> Option<u32> {
-        let recipe = self.recipe.filter(|recipe| recipe.format.has_table())?;
-        Some(recipe.entries)
     }
 
     /// Returns the motion vectors of the predicted planes.
@@ -118,7 +120,7 @@ fn view_properties(f: &File) -> [Property; 6] {
 
 fn format_properties(f: &File) -> [Property; 6] {
     let coding = f.format.coding();
-    let is_large = f.entries().is_some_and(|entries| entries > 256);
+    let is_large = f.entries.is_some_and(|entries| entries > 256);
     [
         ("2.9/1 with compressed planes", coding.is_some()),
         ("2.7/1 without compressed planes", coding.is_none()),
@@ -178,7 +180,7 @@ fn spelling_properties(f: &File) -> [Property; 15] {
     ]
 }
 
-fn data_properties(f: &File) -> [Property; 21] {
+fn data_properties(f: &File) -> [Property; 22] {
     let [scales, biases, _] = &f.numbers;
     let value = |text: &str| text.parse().unwrap_or(0.0);
     let is_negative = |texts: &[&str]| texts.iter().any(|text| value(text) < 0.0);
@@ -208,6 +210,10 @@ fn data_properties(f: &File) -> [Property; 21] {
         (
             "2.7/1 with a byte of 0x80 or more in the binary data",
             f.data.iter().any(|&byte| byte >= 0x80),
+        ),
+        (
+            "2.8.1/1 with a byte of 0x80 or more in an index",
+            f.indices.iter().any(|&byte| byte >= 0x80),
         ),
         ("2.4/3 with a number in scientific notation", is_scientific),
         (
@@ -348,7 +354,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
     let texels = size.map(|(width, height)| width * height);
     let (width, height) = size.unzip();
     let side = size.map(|(width, height)| width.max(height));
-    let entries = f.entries().map(f64::from);
+    let entries = f.entries.map(f64::from);
     let numbers = f.numbers.iter().flatten().map(|text| text.len());
     let longest_number = numbers.max().map(|longest| longest as f64);
     let [header, data] = [f.header, f.data].map(|part| part.len() as f64);

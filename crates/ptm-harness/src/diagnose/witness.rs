@@ -591,8 +591,14 @@ pub(super) fn count_equal_samples(a: &Frame, b: &Frame) -> usize {
 pub(super) fn uniform_value(frame: &Frame) -> Option<f32> {
     fn uniform<T: Copy + PartialEq + Into<f32>>(samples: &[T]) -> Option<f32> {
         let first = *samples.first()?;
-        let is_equal = samples.iter().all(|&sample| sample == first);
-        is_equal.then_some(first.into())
+        let is_nan = |sample: T| sample.into().is_nan();
+        let is_equal = |&sample: &T| sample == first || is_nan(sample) && is_nan(first);
+        let value = if is_nan(first) {
+            f32::NAN
+        } else {
+            first.into()
+        };
+        samples.iter().all(is_equal).then_some(value)
     }
     match &frame.samples {
         Samples::U8(samples) => uniform(samples),

@@ -28,7 +28,7 @@ pub(in crate::diagnose) fn describe(witnesses: &[Witness], group: &Group) -> Dia
     } else {
         None
     };
-    let fix = "start with the example, the smallest of these files".to_owned();
+    let fix = "start with the example, the first of these files".to_owned();
     describe_group(witnesses, group, files, fix)
 }
 

@@ -18,7 +18,7 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
         left.retain(|w| !indices.contains(w));
         let text = CauseText {
             effect,
-            fix: "start with the example, the smallest of these files".to_owned(),
+            fix: "start with the example, the first of these files".to_owned(),
             example: example(witnesses, &indices),
         };
         Diagnosis::from_description(
@@ -74,8 +74,9 @@ fn find_uniform_images(witnesses: &[Witness], failing: &[usize]) -> Vec<(String,
             continue;
         }
         let common = received.iter().find_map(|(_, frame)| uniform_value(frame));
-        let is_common =
-            |(_, frame): &&(usize, &Frame)| common.is_some() && uniform_value(frame) == common;
+        let is_common = |(_, frame): &&(usize, &Frame)| {
+            common.is_some() && uniform_value(frame).map(f32::to_bits) == common.map(f32::to_bits)
+        };
         let indices: Vec<usize> = received.iter().filter(is_common).map(|&(w, _)| w).collect();
         if let Some(value) = common.filter(|_| is_few(count - indices.len(), count)) {
             let effect = format!(
