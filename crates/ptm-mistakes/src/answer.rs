@@ -13,7 +13,19 @@ use ptm_suite::protocol::frame::{Answer, View};
 /// Returns the answer of a decoder that follows `reading` except for these mistakes.
 #[must_use]
 pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: &View) -> Answer {
-    match read(misreadings, reading, file) {
+    answer_with(misreadings, reading, file, view, None)
+}
+
+/// Like [`answer`]. A value that an edited formula finds outside the data is `outside`; if that is `None`, the file is refused.
+#[must_use]
+pub fn answer_with(
+    misreadings: &[&Misreading],
+    reading: Reading,
+    file: &[u8],
+    view: &View,
+    outside: Option<u8>,
+) -> Answer {
+    match read_with(misreadings, reading, file, outside) {
         Ok((ptm, reading)) => render(misreadings, &reading, &ptm, view),
         Err(error) => refusal_answer(error),
     }
@@ -38,6 +50,16 @@ pub fn read(
     reading: Reading,
     file: &[u8],
 ) -> Result<(Ptm, Reading), Option<Error>> {
+    read_with(misreadings, reading, file, None)
+}
+
+/// Like [`read`], with a value for what edited formulas find outside the data.
+fn read_with(
+    misreadings: &[&Misreading],
+    reading: Reading,
+    file: &[u8],
+    outside: Option<u8>,
+) -> Result<(Ptm, Reading), Option<Error>> {
     let reading = apply_to_reading(misreadings, reading);
     let mut bytes = Cow::Borrowed(file);
     for misreading in misreadings {
@@ -49,7 +71,7 @@ pub fn read(
         }
     }
     let edits = formula_edits(misreadings);
-    let ptm = formula::decode(&bytes, &reading, Edits(&edits)).map_err(Some)?;
+    let ptm = formula::decode(&bytes, &reading, Edits(&edits), outside).map_err(Some)?;
     Ok((ptm, reading))
 }
 

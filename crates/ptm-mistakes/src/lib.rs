@@ -73,8 +73,8 @@ pub use crate::error::{Error, Result};
 pub use crate::formula::Stage;
 pub use anatomy::{Anatomy, EditedFile};
 pub use answer::{
-    answer, apply_to_reading, formula_edits, plane_edits, read, refusal_answer, render,
-    stored_values, unrounded_values,
+    answer, answer_with, apply_to_reading, formula_edits, plane_edits, read, refusal_answer,
+    render, stored_values, unrounded_values,
 };
 pub use catalog::{all, behaviors, find};
 pub use change::Change;

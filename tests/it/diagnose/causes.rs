@@ -174,7 +174,7 @@ matrix row | m[k] * Y + m[5 + k] * Cr + m[10 + k] * Cb + m[15 + k] | rgb | m[10 
 LUM sample | (row * width + x) * 8 + i - 1 | any | * 8 + i + -1 instead of
 LRGB color | width * height * 6 + k - (row * width + x) * 3 | any | k - (row * width + x) * 3
 LRGB coefficient | row * width + x + 6 + i | any | x + 6 + i instead of
-RGB sample | ((c * height + row) * width + x) * 5 + i | any | * (6 + -1) + i instead of
+RGB sample | ((c * height + row) * width + x) * 5 + i | any | * 5 + i instead of
 polynomial | a0 * u * u + a2 * u * v + a3 * u + a4 * v + a5 | rgb | a0 * u * u + a2 * u * v
 final coefficient | (raw - bias[i]) * scale[mod(c * 6 + i, 5)] | any | scale[mod(c * 6 + i, 5)] instead of
 final coefficient | (raw - bias[c + i / 6]) * scale[i] | any | bias[c + i / 6]
@@ -221,6 +221,35 @@ fn formula_mistake_is_described() {
     }
 }
 
+/// A decoder that reads outside the data finds anything there.
+#[test]
+fn position_outside_the_data_is_described() {
+    let suite = suite_of_small_files();
+    for (formula, expression, says) in [
+        (
+            "PTM_LUT color",
+            "entries * size + width * height * bytes + (row * width + x) * 4 + k",
+            "(row * width + x) * 4 + k",
+        ),
+        (
+            "LRGB coefficient",
+            "i - (row * width + x) * 6",
+            "i - (row * width + x) * 6 instead of",
+        ),
+    ] {
+        let edit = Edit::parse(formula, expression).expect("a formula");
+        let mistake = formula_misreading(vec![edit]);
+        let causes = diagnose_faulty_decoder(&suite, |request, answer| match answer {
+            Answer::Decoded(_) => {
+                let (file, view) = (request.file, request.view);
+                ptm_mistakes::answer_with(&[&mistake], Reading::SPEC, file, view, Some(0x5a))
+            }
+            other => other,
+        });
+        assert!(causes[0].contains(says), "{expression}: {causes:#?}");
+    }
+}
+
 #[test]
 fn mistake_outside_the_formulas_is_described() {
     let suite = suite_of_small_files();
@@ -232,6 +261,22 @@ fn mistake_outside_the_formulas_is_described() {
                 _ => answer,
             },
             &["refuses every legal file in format JPEG_RGB or JPEG_LRGB"],
+        ),
+        (
+            "reads indices as signed bytes",
+            |request, answer| {
+                let fields = ptm::decode::fields_as(request.file, &Reading::SPEC);
+                let mut indices = fields.iter().filter(|field| field.clause == "2.8.1/1");
+                let is_negative = |field: &ptm::Field| {
+                    let indices = &request.file[field.range.clone()];
+                    indices.iter().any(|&byte| byte >= 0x80)
+                };
+                match answer {
+                    Answer::Decoded(_) if indices.any(is_negative) => Answer::Rejected,
+                    other => other,
+                }
+            },
+            &["every legal file with a byte of 0x80 or more in an index"],
         ),
         (
             "too wide",

@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::ops::RangeInclusive;
 
 use super::mistake::{ChannelSubset, Mistake};
-use super::tuning::{ROUNDING_SLACK, is_few};
+use super::tuning::{ROUNDING_SLACK, is_few, is_third};
 use super::witness::{
     Agreement, Witness, applies_to_file, equal_up_to_rounding, is_after_decoding,
 };
@@ -122,6 +122,55 @@ impl Witness<'_> {
         frame(view.kind().samples(&colors))
     }
 
+    /// Returns the image of a decoder that reads outside the data without noticing. What it finds there may be anything, so these
+    /// samples are those of the response. Returns `None` if no edited position can be outside, or if less than a third of the wrong
+    /// samples are inside.
+    pub fn answer_beyond_data(&self, mistakes: &[&Mistake]) -> Option<Answer> {
+        let is_edited_position = |mistake: &&Mistake| {
+            matches!(mistake.misreading.change, Change::Edits(_)) && mistake.misreading.may_refuse()
+        };
+        let (whole, partial) = self.in_scope(mistakes);
+        if !partial.is_empty() || !mistakes.iter().any(is_edited_position) {
+            return None;
+        }
+        let (Answer::Decoded(right), Response::Image { .. }) =
+            (&self.expected, &self.observation.response)
+        else {
+            return None;
+        };
+        let received = self.wrong_image().unwrap_or(right);
+        let [Answer::Decoded(image), Answer::Decoded(other)] = [0, u8::MAX].map(|outside| {
+            let (file, view) = (&self.built.file, &self.observation.view);
+            ptm_mistakes::answer_with(&whole, self.reading, file, view, Some(outside))
+        }) else {
+            return None;
+        };
+        if [&image, &other, right]
+            .iter()
+            .any(|one| one.shape() != received.shape())
+        {
+            return None;
+        }
+        let samples = match (
+            &image.samples,
+            &other.samples,
+            &right.samples,
+            &received.samples,
+        ) {
+            (Samples::U8(image), Samples::U8(other), Samples::U8(right), Samples::U8(received)) => {
+                Samples::U8(determined_samples(image, other, right, received)?)
+            }
+            (
+                Samples::F32(image),
+                Samples::F32(other),
+                Samples::F32(right),
+                Samples::F32(received),
+            ) => Samples::F32(determined_samples(image, other, right, received)?),
+            _ => return None,
+        };
+        Some(Answer::Decoded(Frame { samples, ..image }))
+    }
+
     pub fn misreadings_in_scope(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {
         let in_scope = mistakes
             .iter()
@@ -211,4 +260,27 @@ impl Witness<'_> {
         let refused = !matches!(self.observation.response, Response::Image { .. });
         self.can_affect(mistake) && (!refused || mistake.misreading.may_refuse())
     }
+}
+
+/// Returns the samples that are equal in `image` and `other`, and those of `received` for the rest. Returns `None` if less than a third
+/// of the samples in which `received` differs from `right` are equal.
+fn determined_samples<T: Copy + PartialEq>(
+    image: &[T],
+    other: &[T],
+    right: &[T],
+    received: &[T],
+) -> Option<Vec<T>> {
+    let is_determined = |&i: &usize| image[i] == other[i];
+    let wrong = (0..image.len()).filter(|&i| received[i] != right[i]);
+    let wrong: Vec<usize> = wrong.collect();
+    let determined = wrong.iter().filter(|i| is_determined(i)).count();
+    let sample = |i| {
+        if is_determined(&i) {
+            image[i]
+        } else {
+            received[i]
+        }
+    };
+    (wrong.is_empty() || determined > 0 && is_third(determined, wrong.len()))
+        .then(|| (0..image.len()).map(sample).collect())
 }

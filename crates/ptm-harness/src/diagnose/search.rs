@@ -409,7 +409,12 @@ impl<'a> Search<'a> {
     fn answers(&self, w: usize, mistakes: &[&Mistake]) -> Vec<Cow<'_, Answer>> {
         let witness = &self.witnesses[w];
         self.answer_count.fetch_add(1, Ordering::Relaxed);
-        let answer = witness.answer(mistakes);
+        let mut answer = witness.answer(mistakes);
+        if *answer == Answer::Rejected
+            && let Some(image) = witness.answer_beyond_data(mistakes)
+        {
+            answer = Cow::Owned(image);
+        }
         let mut answers = match witness.matching_colors(mistakes, &answer) {
             Some(matching) => vec![Cow::Owned(matching)],
             None => vec![answer],

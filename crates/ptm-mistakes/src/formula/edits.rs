@@ -650,12 +650,15 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
             all.push(Expression::Address(
                 [outer].into_iter().chain(inner).collect(),
             ));
-            for multiple in [4.0, 8.0, 2.0] {
+            let multiples = match radix {
+                Expression::Number(_) => &[][..],
+                _ => &[4.0, 8.0, 2.0],
+            };
+            for &multiple in multiples {
                 all.push(with_digit(index, digit.clone(), round_up(radix, multiple)));
             }
             for step in [1.0, -1.0] {
-                let other = Expression::Sum(vec![radix.clone(), number(step)]);
-                all.push(with_digit(index, digit.clone(), other));
+                all.push(with_digit(index, digit.clone(), plus(radix, step)));
             }
         }
     }
@@ -687,6 +690,13 @@ fn change_merged_loops(digits: &[(Expression, Expression)]) -> Vec<Expression> {
         }
     }
     all
+}
+
+fn plus(value: &Expression, step: f64) -> Expression {
+    match value {
+        Expression::Number(value) => number(value + step),
+        _ => Expression::Sum(vec![value.clone(), number(step)]),
+    }
 }
 
 fn round_up(value: &Expression, multiple: f64) -> Expression {

@@ -67,13 +67,14 @@ fn to_byte(value: f64) -> u8 {
     value.floor().rem_euclid(256.0) as u8
 }
 
-/// Decodes a file with edited formulas.
+/// Decodes a file with edited formulas. A byte or sample at an edited position outside the data is `outside`; the file is refused if
+/// that is `None`.
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
-pub fn decode(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
+pub fn decode(file: &[u8], reading: &Reading, edits: Edits, outside: Option<u8>) -> Result<Ptm> {
     match edits.has_stage(Stage::Decoding) {
-        true => decode_stages(file, reading, edits),
+        true => decode_stages(file, reading, edits, outside),
         false => decode_as(file, reading, &Limits::default()),
     }
 }
@@ -134,7 +135,7 @@ fn coefficient_index(channel: usize) -> [f64; 2] {
     [channel % 6, channel / 6].map(|number| number as f64)
 }
 
-fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
+fn decode_stages(file: &[u8], reading: &Reading, edits: Edits, outside: Option<u8>) -> Result<Ptm> {
     let mut input = Input::new(file);
     let header = decode::read_header(&mut input)?;
     // Edits of formulas that the format does not use change nothing.
@@ -149,6 +150,7 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
         header: &header,
         reading,
         edits,
+        outside,
     };
     // A texel has at least one byte, so an edited address cannot turn a small file into a large image.
     let max_texels = input.rest().len() as u64;
@@ -166,6 +168,7 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits) -> Result<Ptm> {
                 lists: &streams.lists,
                 reading,
                 edits,
+                outside,
             };
             texels.samples_of_planes(&planes.decode(streams.residuals())?)?
         }
@@ -184,6 +187,7 @@ struct TexelLayout<'a> {
     header: &'a Header,
     reading: &'a Reading,
     edits: Edits<'a>,
+    outside: Option<u8>,
 }
 
 fn outside_data_error(offset: usize) -> Error {
@@ -199,6 +203,17 @@ fn element_at<T>(data: &[T], address: f64) -> Result<&T> {
     let is_address = address >= 0.0 && address.fract() == 0.0;
     let found = is_address.then(|| data.get(address as usize)).flatten();
     found.ok_or_else(|| outside_data_error(0))
+}
+
+/// Maximum number of bytes of an index whose size is computed with an edited formula.
+const MAX_INDEX_BYTES: f64 = 8.0;
+
+/// Returns the value at an address, or `outside` if the address is an integer outside the data.
+fn value_at(data: &[u8], address: f64, outside: Option<u8>) -> Result<u8> {
+    match (element_at(data, address), outside) {
+        (Err(_), Some(value)) if address.fract() == 0.0 => Ok(value),
+        (found, _) => found.copied(),
+    }
 }
 
 impl TexelLayout<'_> {
@@ -287,7 +302,7 @@ impl TexelLayout<'_> {
             };
             let address = self.address_of(formula, [row, column], channel, [0.0; 3]);
             // A position before the payload is in the header.
-            element_at(self.file, input.at() as f64 + address).copied()
+            value_at(self.file, input.at() as f64 + address, self.outside)
         })
     }
 
@@ -304,7 +319,7 @@ impl TexelLayout<'_> {
         let to_end_of_table = &self.file[..input.at()];
         (self.reading.after_table)(input)?;
         let data = [to_end_of_table, input.rest()].concat();
-        let byte_at = |address: f64| element_at(&data, start as f64 + address).copied();
+        let byte_at = |address: f64| value_at(&data, start as f64 + address, self.outside);
         let (entries, size) = (count as f64, entry_size as f64);
         let bytes = self.address_of(Formula::IndexSize, [0.0; 2], 0, [entries, size, 0.0]);
         let layout = [entries, size, bytes];
@@ -312,6 +327,10 @@ impl TexelLayout<'_> {
         let index_at = |row: f64, column: f64| -> Result<f64> {
             if last.get().0 == row && last.get().1 == column {
                 return Ok(last.get().2);
+            }
+            // An index of many bytes does not end at the end of the data, either.
+            if bytes > MAX_INDEX_BYTES {
+                return Err(outside_data_error(start));
             }
             let stored = |k| byte_at(self.address_of(Formula::IndexByte, [row, column], k, layout));
             let stored = (0..bytes as usize)
@@ -328,7 +347,9 @@ impl TexelLayout<'_> {
             // An edited index retains its fraction and its sign, so that its address is refused.
             let entry = match index >= 0.0 && index.fract() == 0.0 {
                 true => (self.reading.entry)(index as usize, count)
-                    .ok_or_else(|| outside_data_error(0))? as f64,
+                    .map(|entry| entry as f64)
+                    .or(self.outside.map(|_| index))
+                    .ok_or_else(|| outside_data_error(0))?,
                 false => index,
             };
             last.set((row, column, entry));
@@ -364,7 +385,7 @@ impl TexelLayout<'_> {
             } else {
                 -1.0
             };
-            element_at(planes[channel], address).copied()
+            value_at(planes[channel], address, self.outside)
         })
     }
 }
@@ -375,6 +396,7 @@ struct CompressedPlanes<'a> {
     lists: &'a RawLists,
     reading: &'a Reading,
     edits: Edits<'a>,
+    outside: Option<u8>,
 }
 
 impl CompressedPlanes<'_> {
@@ -578,7 +600,7 @@ impl CompressedPlanes<'_> {
         let variables = [x, y, width, height];
         let column = self.edits.value(Formula::EdgeX, &variables, &[]);
         let row = self.edits.value(Formula::EdgeY, &variables, &[]);
-        element_at(plane, row * width + column).copied()
+        value_at(plane, row * width + column, self.outside)
     }
 
     fn add_predictor(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
