@@ -1393,7 +1393,7 @@ fn values_that_only_the_frame_has_wrong_are_said_to_be_written_wrong() {
     let nan = printed_report(&suite, |request| with_values(request, |_| f32::NAN));
     assert_all_true([
         report.has_causes(1),
-        nan.has_causes(1).says(&["every wrong sample is NaN"]),
+        nan.has_causes(1).says(&["shows NaN in every sample of"]),
     ]);
 }
 
