@@ -6,7 +6,7 @@ use std::ops::RangeInclusive;
 use super::mistake::{ChannelSubset, Mistake};
 use super::tuning::{ROUNDING_SLACK, is_few, is_third};
 use super::witness::{
-    Agreement, Witness, applies_to_file, equal_up_to_rounding, is_after_decoding,
+    Agreement, Witness, applies_to_file, equal_up_to_rounding, is_after_decoding, is_same_value,
 };
 use ptm::{Ptm, Reading};
 use ptm_mistakes::formula::{self, Edit, Edits, final_values};
@@ -126,11 +126,8 @@ impl Witness<'_> {
     /// samples are those of the response. Returns `None` if no edited position can be outside, or if less than a third of the wrong
     /// samples are inside.
     pub fn answer_beyond_data(&self, mistakes: &[&Mistake]) -> Option<Answer> {
-        let is_edited_position = |mistake: &&Mistake| {
-            matches!(mistake.misreading.change, Change::Edits(_)) && mistake.misreading.may_refuse()
-        };
         let (whole, partial) = self.in_scope(mistakes);
-        if !partial.is_empty() || !mistakes.iter().any(is_edited_position) {
+        if !partial.is_empty() || !mistakes.iter().any(|mistake| edits_position(mistake)) {
             return None;
         }
         let (Answer::Decoded(right), Response::Image { .. }) =
@@ -151,23 +148,18 @@ impl Witness<'_> {
         {
             return None;
         }
-        let samples = match (
-            &image.samples,
-            &other.samples,
-            &right.samples,
-            &received.samples,
-        ) {
-            (Samples::U8(image), Samples::U8(other), Samples::U8(right), Samples::U8(received)) => {
-                Samples::U8(determined_samples(image, other, right, received)?)
-            }
-            (
-                Samples::F32(image),
-                Samples::F32(other),
-                Samples::F32(right),
-                Samples::F32(received),
-            ) => Samples::F32(determined_samples(image, other, right, received)?),
-            _ => return None,
-        };
+        let [values, others, right, received] =
+            [&image, &other, right, received].map(|frame| frame.samples.to_reals());
+        let is_inside = |i: usize| is_same_value(values[i], others[i]);
+        let wrong = (0..right.len()).filter(|&i| !is_same_value(received[i], right[i]));
+        let wrong: Vec<usize> = wrong.collect();
+        let inside = wrong.iter().filter(|&&i| is_inside(i)).count();
+        if !wrong.is_empty() && (inside == 0 || !is_third(inside, wrong.len())) {
+            return None;
+        }
+        let value = |i: usize| if is_inside(i) { values[i] } else { received[i] };
+        let all: Vec<f64> = (0..right.len()).map(value).collect();
+        let samples = self.observation.view.kind().samples(&all);
         Some(Answer::Decoded(Frame { samples, ..image }))
     }
 
@@ -250,9 +242,7 @@ impl Witness<'_> {
         let is_refused = matches!(self.observation.response, Response::Rejected);
         let is_malformed = is_refused && self.case.expect.is_refusal();
         let is_outside = self.failed && agreement == Agreement::Contradiction;
-        let is_edit = matches!(mistake.misreading.change, Change::Edits(_));
-        let is_position = is_edit && mistake.misreading.may_refuse();
-        !(is_position && (is_malformed || is_outside))
+        !(edits_position(mistake) && (is_malformed || is_outside))
     }
 
     /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a refusal.
@@ -262,25 +252,7 @@ impl Witness<'_> {
     }
 }
 
-/// Returns the samples that are equal in `image` and `other`, and those of `received` for the rest. Returns `None` if less than a third
-/// of the samples in which `received` differs from `right` are equal.
-fn determined_samples<T: Copy + PartialEq>(
-    image: &[T],
-    other: &[T],
-    right: &[T],
-    received: &[T],
-) -> Option<Vec<T>> {
-    let is_determined = |&i: &usize| image[i] == other[i];
-    let wrong = (0..image.len()).filter(|&i| received[i] != right[i]);
-    let wrong: Vec<usize> = wrong.collect();
-    let determined = wrong.iter().filter(|i| is_determined(i)).count();
-    let sample = |i| {
-        if is_determined(&i) {
-            image[i]
-        } else {
-            received[i]
-        }
-    };
-    (wrong.is_empty() || determined > 0 && is_third(determined, wrong.len()))
-        .then(|| (0..image.len()).map(sample).collect())
+/// Returns true if the mistake is an edit of a position.
+fn edits_position(mistake: &Mistake) -> bool {
+    matches!(mistake.misreading.change, Change::Edits(_)) && mistake.misreading.may_refuse()
 }

@@ -1,7 +1,7 @@
 //! A received image next to the expected one.
 
 use super::search::{MistakeId, Search};
-use super::witness::Witness;
+use super::witness::{Witness, is_same_value};
 use ptm_suite::compare::{Expected, LOSSY_TOLERANCE, is_near};
 use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
 
@@ -69,8 +69,8 @@ impl ImagePair {
         let is_wrong = |&i: &usize| {
             let (expected, received) = (expected[i], received[i]);
             let slack = self.slack.get(i).copied().unwrap_or_default();
-            let are_both_nan = expected.is_nan() && received.is_nan();
-            !are_both_nan && !is_near(self.view, expected, received, slack, self.loss)
+            !is_same_value(expected, received)
+                && !is_near(self.view, expected, received, slack, self.loss)
         };
         (0..expected.len()).filter(is_wrong).collect()
     }

@@ -41,6 +41,7 @@ struct File<'a> {
     numbers: [Vec<&'a str>; 3],
     /// The number of table entries, as written in the file.
     entries: Option<u32>,
+    /// The bytes of the indices into the table.
     indices: &'a [u8],
 }
 

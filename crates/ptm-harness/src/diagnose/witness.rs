@@ -587,18 +587,19 @@ pub(super) fn count_equal_samples(a: &Frame, b: &Frame) -> usize {
     }
 }
 
+/// Returns true if two values are equal, or both are NaN.
+pub(super) fn is_same_value(a: f64, b: f64) -> bool {
+    a == b || a.is_nan() && b.is_nan()
+}
+
 /// Returns the value that all samples in an image share, if any.
 pub(super) fn uniform_value(frame: &Frame) -> Option<f32> {
-    fn uniform<T: Copy + PartialEq + Into<f32>>(samples: &[T]) -> Option<f32> {
-        let first = *samples.first()?;
-        let is_nan = |sample: T| sample.into().is_nan();
-        let is_equal = |&sample: &T| sample == first || is_nan(sample) && is_nan(first);
-        let value = if is_nan(first) {
-            f32::NAN
-        } else {
-            first.into()
-        };
-        samples.iter().all(is_equal).then_some(value)
+    fn uniform<T: Copy + Into<f32>>(samples: &[T]) -> Option<f32> {
+        let first = (*samples.first()?).into();
+        let mut values = samples.iter().map(|&sample| sample.into());
+        values
+            .all(|value| is_same_value(value.into(), first.into()))
+            .then_some(first)
     }
     match &frame.samples {
         Samples::U8(samples) => uniform(samples),

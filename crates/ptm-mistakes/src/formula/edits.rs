@@ -685,13 +685,13 @@ fn change_merged_loops(digits: &[(Expression, Expression)]) -> Vec<Expression> {
         all.push(with(vec![(sum, radix.clone())]));
         all.push(with_merged(negate(&merged), radix.clone()));
         for step in [1.0, -1.0] {
-            let other = Expression::Sum(vec![radix.clone(), number(step)]);
-            all.push(with_merged(merged.clone(), other));
+            all.push(with_merged(merged.clone(), plus(&radix, step)));
         }
     }
     all
 }
 
+/// Returns the sum of an expression and a number. The sum of two numbers is a number.
 fn plus(value: &Expression, step: f64) -> Expression {
     match value {
         Expression::Number(value) => number(value + step),

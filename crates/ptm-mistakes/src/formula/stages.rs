@@ -187,6 +187,7 @@ struct TexelLayout<'a> {
     header: &'a Header,
     reading: &'a Reading,
     edits: Edits<'a>,
+    /// Value of what is outside the data, if the file is not refused.
     outside: Option<u8>,
 }
 
@@ -322,15 +323,15 @@ impl TexelLayout<'_> {
         let byte_at = |address: f64| value_at(&data, start as f64 + address, self.outside);
         let (entries, size) = (count as f64, entry_size as f64);
         let bytes = self.address_of(Formula::IndexSize, [0.0; 2], 0, [entries, size, 0.0]);
+        // The end of the data does not limit an index if bytes outside have a value.
+        if bytes > MAX_INDEX_BYTES {
+            return Err(outside_data_error(start));
+        }
         let layout = [entries, size, bytes];
         let last = Cell::new((f64::NAN, f64::NAN, 0.0));
         let index_at = |row: f64, column: f64| -> Result<f64> {
             if last.get().0 == row && last.get().1 == column {
                 return Ok(last.get().2);
-            }
-            // An index of many bytes does not end at the end of the data, either.
-            if bytes > MAX_INDEX_BYTES {
-                return Err(outside_data_error(start));
             }
             let stored = |k| byte_at(self.address_of(Formula::IndexByte, [row, column], k, layout));
             let stored = (0..bytes as usize)
@@ -396,6 +397,7 @@ struct CompressedPlanes<'a> {
     lists: &'a RawLists,
     reading: &'a Reading,
     edits: Edits<'a>,
+    /// Value of what is outside the data, if the file is not refused.
     outside: Option<u8>,
 }
 

@@ -4,7 +4,7 @@ use super::refusals::example;
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::rules;
 use crate::diagnose::tuning::{MIN_SUPPORT, is_few, is_most, is_nearly_all};
-use crate::diagnose::witness::{Witness, uniform_value};
+use crate::diagnose::witness::{Witness, is_same_value, uniform_value};
 use ptm_suite::cases::Expect;
 use ptm_suite::protocol::frame::{Frame, ViewKind};
 use ptm_suite::verdicts::observation::Response;
@@ -75,7 +75,8 @@ fn find_uniform_images(witnesses: &[Witness], failing: &[usize]) -> Vec<(String,
         }
         let common = received.iter().find_map(|(_, frame)| uniform_value(frame));
         let is_common = |(_, frame): &&(usize, &Frame)| {
-            common.is_some() && uniform_value(frame).map(f32::to_bits) == common.map(f32::to_bits)
+            let pair = uniform_value(frame).zip(common);
+            pair.is_some_and(|(value, common)| is_same_value(value.into(), common.into()))
         };
         let indices: Vec<usize> = received.iter().filter(is_common).map(|&(w, _)| w).collect();
         if let Some(value) = common.filter(|_| is_few(count - indices.len(), count)) {
