@@ -57,10 +57,13 @@ pub(super) fn group_stops(search: &Search, left: &mut Vec<usize>) -> Vec<Group> 
     let mut rest: Vec<(String, Vec<usize>)> = Vec::new();
     for (message, mut open) in by_message {
         for read in [&all, &known] {
-            while let Some(mut shared) = stop_scope(witnesses, &open, read) {
+            let is_all = read.len() == all.len();
+            while let Some(mut shared) =
+                stop_scope(witnesses, &open, read, if is_all { &[] } else { left })
+            {
                 // That all images of a format are also wrong connects them with nothing.
                 let is_format = matches!(shared.scope, FileScope::Formats(_));
-                if is_format && read.len() < all.len() {
+                if is_format && !is_all {
                     break;
                 }
                 open.retain(|w| !shared.cases.contains(w));
@@ -107,11 +110,16 @@ fn join_unknown_messages(witnesses: &[Witness], by_message: &mut BTreeMap<String
 }
 
 /// Returns what a substantial part of the files without an image share and no file in `read` has. Most of them must share a view,
-/// because few decoders open a file only for some views.
-fn stop_scope(witnesses: &[Witness], open: &[usize], read: &[usize]) -> Option<SharedScope> {
+/// because few decoders open a file only for some views. `images` are wrong images with an unknown cause.
+fn stop_scope(
+    witnesses: &[Witness],
+    open: &[usize],
+    read: &[usize],
+    images: &[usize],
+) -> Option<SharedScope> {
     let sets = format_sets(witnesses, open);
     sets.iter().find_map(|formats| {
-        let scope = |with_view| shared_scope(witnesses, formats, open, read, with_view);
+        let scope = |with_view| shared_scope(witnesses, formats, open, read, images, with_view);
         let is_view = |shared: &SharedScope| matches!(shared.scope, FileScope::Property(index, _) if index < VIEW_PROPERTIES);
         let is_most = |shared: &SharedScope| is_most(shared.cases.len(), open.len());
         let shared = scope(true).filter(|shared| !is_view(shared) || is_most(shared));
@@ -143,7 +151,7 @@ pub(super) fn group_images(
     for (step, mut open) in by_step {
         let mut parts: Vec<Group> = Vec::new();
         for formats in format_sets(witnesses, &open) {
-            let Some(shared) = image_scope(search, &formats, &open, &known) else {
+            let Some(shared) = image_scope(search, &formats, &open, &known, steps) else {
                 continue;
             };
             open.retain(|w| !shared.cases.contains(w));
@@ -182,6 +190,7 @@ fn image_scope(
     formats: &[ptm::Format],
     open: &[usize],
     known: &[usize],
+    steps: &[(usize, Step)],
 ) -> Option<SharedScope> {
     let witnesses = search.witnesses;
     let format = |w: usize| witnesses[w].case.format();
@@ -193,7 +202,8 @@ fn image_scope(
     if open.is_empty() || search.is_arbitrary || is_rest {
         return None;
     }
-    let shared = shared_scope(witnesses, formats, open, known, false)?;
+    let images: Vec<usize> = steps.iter().map(|&(w, _)| w).collect();
+    let shared = shared_scope(witnesses, formats, open, known, &images, false)?;
     (is_most(shared.cases.len(), open.len()) && shared.is_prevalent(witnesses)).then_some(shared)
 }
 

@@ -4,13 +4,14 @@ use std::collections::BTreeSet;
 
 use super::failure_mode::{FailureMode, message_form};
 use super::mistake::Mistake;
-use super::scope::{files_of, own_formats};
+use super::scope::{FileScope, files_of, own_formats};
 use super::search::{Effect, MistakeId, MistakeSet, Search, without_id};
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all, is_third};
 use super::witness::{Agreement, Witness};
 use super::words::refusals::files_read;
 use ptm_mistakes::formula::EditedForm;
 use ptm_mistakes::{Change, Misreading, Symptom};
+use ptm_suite::cases::Expect;
 use ptm_suite::protocol::frame::ViewKind;
 
 /// *No response contradicts a named mistake.*
@@ -205,6 +206,26 @@ pub(super) fn count_failures_of_the_same_kind(
 pub(super) fn count_files_read(witnesses: &[Witness], cases: &[usize]) -> usize {
     let formats = own_formats(witnesses, cases, &[]);
     files_of(witnesses, &files_read(witnesses), &formats).len()
+}
+
+/// *A property is named only if it separates files.*
+///
+/// If the decoder fails, for unknown reasons, on more files without the property than it reads (`others`), the property describes
+/// the few files that it reads rather than the mistake. `failures` contains the group and all other failures without a known cause.
+pub(super) fn separates(
+    witnesses: &[Witness],
+    scope: &FileScope,
+    failures: [&[usize]; 2],
+    others: &[usize],
+) -> bool {
+    let [group, open] = failures;
+    let more = open.iter().filter(|w| !group.contains(w));
+    let is_outside = |w: &&usize| {
+        let witness = &witnesses[**w];
+        witness.case.expect == Expect::Decode && !scope.contains(witness)
+    };
+    let failing = group.iter().chain(more).filter(is_outside).count();
+    matches!(scope, FileScope::Formats(_)) || failing <= others.len()
 }
 
 /// *"Would look the same" is said only after the outputs for all these files have been compared.*

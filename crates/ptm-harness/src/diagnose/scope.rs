@@ -1,6 +1,7 @@
 //! Sets of files that share a property.
 
 use super::properties::VIEW_PROPERTIES;
+use super::rules;
 use super::tuning::{COINCIDENCE_ODDS, MIN_SHARING_FILES, MIN_SUPPORT, is_substantial};
 use super::witness::Witness;
 use ptm::Format;
@@ -201,16 +202,19 @@ pub(super) fn list_formats(formats: &[Format]) -> String {
     names.join(", ")
 }
 
-/// Returns the scope that contains the most files of `group` and none of `others`, unless the match may be a coincidence. Only
-/// files of these formats are considered, and the requested view only if `with_view` is true.
+/// Returns the scope that contains the most files of `group` and none of `others`, unless the match may be a coincidence, or unless
+/// most files without the property are also in `group` or in `open`. Only files of these formats are considered, and the requested
+/// view only if `with_view` is true.
 pub(super) fn shared_scope(
     witnesses: &[Witness],
     formats: &[Format],
     group: &[usize],
     others: &[usize],
+    open: &[usize],
     with_view: bool,
 ) -> Option<SharedScope> {
-    let [group, others] = [group, others].map(|files| files_of(witnesses, files, formats));
+    let [group, others, open] =
+        [group, others, open].map(|files| files_of(witnesses, files, formats));
     let is_pure = |scope: &FileScope| !others.iter().any(|&w| scope.contains(&witnesses[w]));
     let own_formats = FileScope::Formats(own_formats(witnesses, &group, &others));
     let properties = &witnesses.first()?.facts().properties;
@@ -238,7 +242,8 @@ pub(super) fn shared_scope(
     };
     // Reversed, because `max_by_key` returns the last maximum.
     let valid = (found.into_iter().rev())
-        .filter(|one| is_significant(one.cases.len()) && is_pure(&one.scope));
+        .filter(|one| is_significant(one.cases.len()) && is_pure(&one.scope))
+        .filter(|one| rules::separates(witnesses, &one.scope, [&group, &open], &others));
     valid.max_by_key(|one| one.cases.len())
 }
 

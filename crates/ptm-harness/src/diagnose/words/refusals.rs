@@ -36,7 +36,7 @@ pub(in crate::diagnose) fn describe(witnesses: &[Witness], group: &Group) -> Dia
 pub(in crate::diagnose) fn describe_failures(witnesses: &[Witness], cases: &[usize]) -> Diagnosis {
     let is_other = |w: &usize| witnesses[*w].case.expect == Expect::Decode && !cases.contains(w);
     let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
-    let shared = shared_scope(witnesses, &Format::ALL, cases, &others, false);
+    let shared = shared_scope(witnesses, &Format::ALL, cases, &others, &[], false);
     let group = Group {
         cases: cases.to_vec(),
         shared: shared.filter(|shared| shared.cases.len() == cases.len()),
@@ -123,7 +123,7 @@ pub(in crate::diagnose) fn is_part_of_a_larger_group(
         .iter()
         .any(|mode| {
             let group = mode.select(witnesses, &failing);
-            let shared = shared_scope(witnesses, &Format::ALL, &group, &read, true);
+            let shared = shared_scope(witnesses, &Format::ALL, &group, &read, &[], true);
             shared.is_some_and(|shared| {
                 let common = cases.iter().filter(|w| shared.cases.contains(w)).count();
                 is_nearly_all(common, cases.len())
