@@ -178,28 +178,65 @@ fn exchanged_axes(
     (is_exchanged && shapes.len() >= MIN_SUPPORT).then(|| order.map(|axis| AXES[axis]).join(", "))
 }
 
-/// Returns text such as ": 4 channels instead of 3 channels" if all images of a group have the same wrong shape.
+/// Sizes that a decoder may confuse with the width or the height: a name, and the value in terms of both.
+const SIZES: [(&str, fn([u32; 2]) -> Option<u32>); 9] = [
+    ("width", |[width, _]| Some(width)),
+    ("height", |[_, height]| Some(height)),
+    ("(width + 1)", |[width, _]| width.checked_add(1)),
+    ("(width - 1)", |[width, _]| width.checked_sub(1)),
+    ("(height + 1)", |[_, height]| height.checked_add(1)),
+    ("(height - 1)", |[_, height]| height.checked_sub(1)),
+    ("width * height", |[width, height]| {
+        width.checked_mul(height)
+    }),
+    ("(width + height)", |[width, height]| {
+        width.checked_add(height)
+    }),
+    ("1", |_| Some(1)),
+];
+
+/// Returns text such as ": 4 channels instead of 3 channels" if all images of a group have the same wrong shape, or ": height × height
+/// instead of width × height" if all sizes follow from the expected ones in the same way.
 fn shape_text(search: &Search, set: &MistakeSet, step: Step, cases: &[usize]) -> String {
+    let frames = cases.iter().filter_map(|&w| {
+        let received = search.witnesses[w].wrong_image()?;
+        match &*search.best_answer(w, set) {
+            Answer::Decoded(expected) => Some((received, expected.clone())),
+            _ => None,
+        }
+    });
+    let frames: Vec<(&Frame, Frame)> = frames.collect();
     let value = |frame: &Frame| match step {
         Step::Size => Some(format!("{} × {}", frame.width, frame.height)),
         Step::Channels => Some(format!("{} channels", frame.channels)),
         Step::SampleType => Some(frame.samples.sample_type().to_owned()),
         _ => None,
     };
-    let shapes = cases.iter().filter_map(|&w| {
-        let received = search.witnesses[w].wrong_image()?;
-        match &*search.best_answer(w, set) {
-            Answer::Decoded(expected) => Some((value(received)?, value(expected)?)),
-            _ => None,
-        }
-    });
+    let shapes = frames
+        .iter()
+        .filter_map(|(received, expected)| value(received).zip(value(expected)));
     let shapes: BTreeSet<(String, String)> = shapes
         .filter(|(received, expected)| received != expected)
         .collect();
-    let only = shapes.first().filter(|_| shapes.len() == 1);
-    only.map_or_else(String::new, |(received, expected)| {
-        format!(": {received} instead of {expected}")
-    })
+    if let (Some((received, expected)), 1) = (shapes.first(), shapes.len()) {
+        return format!(": {received} instead of {expected}");
+    }
+    let size_of = |side: fn(&Frame) -> u32| {
+        let mut sizes = SIZES.iter();
+        sizes.find(|(_, size)| {
+            let mut frames = frames.iter();
+            frames.all(|(received, expected)| {
+                size([expected.width, expected.height]) == Some(side(received))
+            })
+        })
+    };
+    let sides = size_of(|frame| frame.width).zip(size_of(|frame| frame.height));
+    match sides {
+        Some(((width, _), (height, _))) if step == Step::Size && shapes.len() >= MIN_SUPPORT => {
+            format!(": {width} × {height} instead of width × height")
+        }
+        _ => String::new(),
+    }
 }
 
 /// Returns true if all colors of legal files of these formats are correct, and nearly all images of final values are wrong.
@@ -221,8 +258,8 @@ fn are_only_final_values_wrong(search: &Search, step: Step, cases: &[usize]) -> 
         && is_nearly_all(wrong[0], wrong[0] + right[0])
 }
 
-/// Returns text such as ": every wrong sample is NaN" if all wrong samples of the images, or of those in the earliest view, have the
-/// same value.
+/// Returns text such as ": every wrong sample is NaN", or ": every wrong sample is 127 instead of 255", if all wrong samples of the
+/// images, or of those in the earliest view, have the same value.
 fn value_text(search: &Search, cases: &[usize]) -> String {
     let view = |w: &usize| search.witnesses[*w].observation.view.kind();
     let Some(first) = cases.iter().map(view).min() else {
@@ -233,30 +270,40 @@ fn value_text(search: &Search, cases: &[usize]) -> String {
         false => format!(" in view {first}"),
     };
     let cases = cases.iter().filter(|w| view(w) == first);
-    let (mut value, mut count) = (None, 0);
+    // Received and expected values, with one representation of NaN.
+    let bits = |value: f64| if value.is_nan() { f64::NAN } else { value }.to_bits();
+    let (mut values, mut expected, mut count) = (BTreeSet::new(), BTreeSet::new(), 0);
     for &w in cases {
         let Some(pair) = image_pair(search, &[], w) else {
             return String::new();
         };
         for i in pair.wrong_samples() {
-            let received = pair.received[i];
-            let bits = if received.is_nan() {
-                f64::NAN
+            values.insert(bits(pair.received[i]));
+            let is_color = pair.view == ViewKind::Rgb;
+            let right = pair.expected[i];
+            expected.insert(bits(if is_color {
+                right.clamp(0.0, 255.0).round()
             } else {
-                received
-            }
-            .to_bits();
-            if *value.get_or_insert(bits) != bits {
-                return String::new();
-            }
+                right
+            }));
             count += 1;
         }
-    }
-    match value.map(f64::from_bits) {
-        Some(value) if count >= MIN_SUPPORT => {
-            format!(": every wrong sample{of_view} is {value}")
+        if values.len() > 1 {
+            return String::new();
         }
-        _ => String::new(),
+    }
+    let only = |values: &BTreeSet<u64>| match values.len() {
+        1 => values.first().map(|&bits| f64::from_bits(bits)),
+        _ => None,
+    };
+    let Some(value) = only(&values).filter(|_| count >= MIN_SUPPORT) else {
+        return String::new();
+    };
+    match only(&expected) {
+        Some(expected) => {
+            format!(": every wrong sample{of_view} is {value} instead of {expected}")
+        }
+        None => format!(": every wrong sample{of_view} is {value}"),
     }
 }
 
