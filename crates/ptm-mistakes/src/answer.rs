@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use super::anatomy::{Anatomy, EditedFile};
 use super::{change::Change, misreading::Misreading};
-use crate::formula::{self, Edit, Edits};
+use crate::formula::{self, Edit, Edits, Outside};
 use ptm::Ptm;
 use ptm::error::{Class, Error};
 use ptm::reading::Reading;
@@ -13,17 +13,17 @@ use ptm_suite::protocol::frame::{Answer, View};
 /// Returns the answer of a decoder that follows `reading` except for these mistakes.
 #[must_use]
 pub fn answer(misreadings: &[&Misreading], reading: Reading, file: &[u8], view: &View) -> Answer {
-    answer_with(misreadings, reading, file, view, None)
+    answer_with(misreadings, reading, file, view, Outside::Refused)
 }
 
-/// Like [`answer`]. A value that an edited formula finds outside the data is `outside`; if that is `None`, the file is refused.
+/// Like [`answer`], for a decoder that does `outside` at an edited position outside the data.
 #[must_use]
 pub fn answer_with(
     misreadings: &[&Misreading],
     reading: Reading,
     file: &[u8],
     view: &View,
-    outside: Option<u8>,
+    outside: Outside,
 ) -> Answer {
     match read_with(misreadings, reading, file, outside) {
         Ok((ptm, reading)) => render(misreadings, &reading, &ptm, view),
@@ -50,15 +50,15 @@ pub fn read(
     reading: Reading,
     file: &[u8],
 ) -> Result<(Ptm, Reading), Option<Error>> {
-    read_with(misreadings, reading, file, None)
+    read_with(misreadings, reading, file, Outside::Refused)
 }
 
-/// Like [`read`], with a value for what edited formulas find outside the data.
+/// Like [`read`], for a decoder that does `outside` at an edited position outside the data.
 fn read_with(
     misreadings: &[&Misreading],
     reading: Reading,
     file: &[u8],
-    outside: Option<u8>,
+    outside: Outside,
 ) -> Result<(Ptm, Reading), Option<Error>> {
     let reading = apply_to_reading(misreadings, reading);
     let mut bytes = Cow::Borrowed(file);

@@ -9,7 +9,7 @@ use super::witness::{
     Agreement, Witness, applies_to_file, equal_up_to_rounding, is_after_decoding, is_same_value,
 };
 use ptm::{Ptm, Reading};
-use ptm_mistakes::formula::{self, Edit, Edits, final_values};
+use ptm_mistakes::formula::{self, Edit, Edits, Outside, final_values};
 use ptm_mistakes::{Change, Misreading, Stage};
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, View};
 use ptm_suite::verdicts::observation::Response;
@@ -122,8 +122,9 @@ impl Witness<'_> {
         frame(view.kind().samples(&colors))
     }
 
-    /// Returns the image of a decoder that reads outside the data without noticing. What it finds there may be anything, so these
-    /// samples are those of the response. Returns `None` if no edited position can be outside, or if less than a third of the wrong
+    /// Returns the image of a decoder that reads outside the data without noticing. It may find nothing there, so that later values
+    /// move up, if this gives the response. Otherwise, what it finds may be anything, so these samples are those of the response. Returns
+    /// `None` if no edited position can be outside, or if less than a third of the wrong
     /// samples are inside.
     pub fn answer_beyond_data(&self, mistakes: &[&Mistake]) -> Option<Answer> {
         let (whole, partial) = self.in_scope(mistakes);
@@ -136,10 +137,21 @@ impl Witness<'_> {
             return None;
         };
         let received = self.wrong_image().unwrap_or(right);
-        let [Answer::Decoded(image), Answer::Decoded(other)] = [0, u8::MAX].map(|outside| {
+        let answer = |outside| {
             let (file, view) = (&self.built.file, &self.observation.view);
-            ptm_mistakes::answer_with(&whole, self.reading, file, view, Some(outside))
-        }) else {
+            ptm_mistakes::answer_with(&whole, self.reading, file, view, outside)
+        };
+        let moved = answer(Outside::Nothing);
+        let is_received = match self.failed {
+            true => self.agreement(&moved) == Agreement::Image,
+            false => moved == self.expected,
+        };
+        if is_received {
+            return Some(moved);
+        }
+        let [Answer::Decoded(image), Answer::Decoded(other)] =
+            [0, u8::MAX].map(|byte| answer(Outside::Byte(byte)))
+        else {
             return None;
         };
         if [&image, &other, right]

@@ -71,10 +71,10 @@ impl Edit {
         let used = meanings.filter(|(variable, _)| edited.uses(*variable));
         let used = used.map(|(variable, text)| format!("{} is {text}", scope.variables[*variable]));
         let used: Vec<String> = used.collect();
-        if used.is_empty() {
-            String::new()
-        } else {
-            format!(", where {}", used.join(" and "))
+        match &used[..] {
+            [] => String::new(),
+            [only] => format!(", where {only}"),
+            [others @ .., last] => format!(", where {} and {last}", others.join(", ")),
         }
     }
 

@@ -39,7 +39,7 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
 ];
 
 /// Edits that no operator generates: the name of the formula, and the expression.
-const FURTHER_EDITS: [(Formula, &str); 57] = [
+const FURTHER_EDITS: [(Formula, &str); 75] = [
     // The limits of a color are exchanged.
     (
         Formula::Rendering,
@@ -144,7 +144,61 @@ const FURTHER_EDITS: [(Formula, &str); 57] = [
         Formula::StoredTexel,
         "select(at_most(height - 1, y), none, (height - 2 - y) * width + x)",
     ),
-    // The bytes of a float are those of an integer, or are shifted by another number of bits.
+    // The header ends earlier or later.
+    (Formula::TexelStart, "at - 1"),
+    (Formula::TexelStart, "at + 1"),
+    (Formula::TexelStart, "at - 2"),
+    (Formula::TexelStart, "at + 2"),
+    // A texel has as many bytes as there are texels, or one byte more or less, in all blocks or in one.
+    (Formula::GroupSize, "count"),
+    (Formula::GroupSize, "size + 1"),
+    (Formula::GroupSize, "size - 1"),
+    (
+        Formula::GroupSize,
+        "select(at_most(abs(b), 0), count, size)",
+    ),
+    (
+        Formula::GroupSize,
+        "select(at_most(abs(b), 0), size + 1, size)",
+    ),
+    (
+        Formula::GroupSize,
+        "select(at_most(abs(b), 0), size - 1, size)",
+    ),
+    (
+        Formula::GroupSize,
+        "select(at_most(abs(b - 1), 0), count, size)",
+    ),
+    (
+        Formula::GroupSize,
+        "select(at_most(abs(b - 1), 0), size + 1, size)",
+    ),
+    (
+        Formula::GroupSize,
+        "select(at_most(abs(b - 1), 0), size - 1, size)",
+    ),
+    (
+        Formula::GroupSize,
+        "select(at_most(abs(b - 2), 0), count, size)",
+    ),
+    (
+        Formula::GroupSize,
+        "select(at_most(abs(b - 2), 0), size + 1, size)",
+    ),
+    (
+        Formula::GroupSize,
+        "select(at_most(abs(b - 2), 0), size - 1, size)",
+    ),
+    // The last coefficient of a polynomial is that of the next channel.
+    (
+        Formula::IntensityChannel,
+        "select(at_most(5, i), c * 6 + 6, c * 6 + i)",
+    ),
+    // The bytes of a float are those of an integer, are those of its integer part, or are shifted by another number of bits.
+    (
+        Formula::FloatByte,
+        "mod(floor(truncated / power(2, 8 * k)), 256)",
+    ),
     (
         Formula::FloatByte,
         "mod(floor(integer / power(2, 8 * k)), 256)",
@@ -191,7 +245,9 @@ const FURTHER_EDITS: [(Formula, &str); 57] = [
 
 /// Formulas without other edits. Operators would generate edits of another formula, or positions outside the data: a value that is
 /// written there looks like one that is never written.
-const ONLY_FURTHER_EDITS: [Formula; 6] = [
+const ONLY_FURTHER_EDITS: [Formula; 8] = [
+    Formula::TexelStart,
+    Formula::GroupSize,
     Formula::ColorPlace,
     Formula::FloatPlace,
     Formula::FloatByte,

@@ -229,6 +229,10 @@ impl Expression {
                             text.push_str(" - ");
                             inner.write(text, scope, 1);
                         }
+                        Expression::Number(number) if i > 0 && *number < 0.0 => {
+                            text.push_str(" - ");
+                            text.push_str(&(-number).to_string());
+                        }
                         _ => {
                             text.push_str(if i > 0 { " + " } else { "" });
                             term.write(text, scope, u8::from(i > 0));
@@ -282,7 +286,14 @@ impl Expression {
                 [Expression::Call(Function::Abs, value), zero]
                     if *zero == Expression::Number(0.0) =>
                 {
-                    (&value[0], " = ", zero)
+                    match &value[0] {
+                        Expression::Sum(terms)
+                            if let [left, Expression::Negative(right)] = &terms[..] =>
+                        {
+                            (left, " = ", &**right)
+                        }
+                        left => (left, " = ", zero),
+                    }
                 }
                 sides => (&sides[0], " <= ", &sides[1]),
             },

@@ -7,7 +7,7 @@ use serde::Deserialize;
 
 use super::expression::{Expression, Scope, parse};
 use crate::error::{Error, Result};
-use ptm::Format;
+use ptm::{Format, Storage};
 use ptm_suite::kit::yaml;
 
 /// A step of decoding that the specification states or implies as arithmetic.
@@ -33,6 +33,7 @@ pub enum Formula {
     StoredRow,
     StoredColumn,
     StoredTexel,
+    TexelStart,
     RgbSample,
     LumSample,
     LrgbCoefficient,
@@ -43,6 +44,9 @@ pub enum Formula {
     TableSample,
     TableColor,
     BlockLength,
+    GroupSize,
+    GroupStart,
+    GroupEnd,
     RgbPlane,
     LrgbPlane,
     Transform,
@@ -85,7 +89,7 @@ pub enum Stage {
 
 impl Formula {
     /// All formulas with their names, in order from the image back to the bytes.
-    pub const ALL: [(Formula, &'static str); 52] = [
+    pub const ALL: [(Formula, &'static str); 56] = [
         (Formula::LightU, "light u"),
         (Formula::LightV, "light v"),
         (Formula::Polynomial, "polynomial"),
@@ -105,6 +109,7 @@ impl Formula {
         (Formula::StoredRow, "stored row"),
         (Formula::StoredColumn, "stored column"),
         (Formula::StoredTexel, "stored texel"),
+        (Formula::TexelStart, "start of the texels"),
         (Formula::RgbSample, "RGB sample"),
         (Formula::LumSample, "LUM sample"),
         (Formula::LrgbCoefficient, "LRGB coefficient"),
@@ -115,6 +120,9 @@ impl Formula {
         (Formula::TableSample, "table sample"),
         (Formula::TableColor, "PTM_LUT color"),
         (Formula::BlockLength, "length of a block"),
+        (Formula::GroupSize, "size of a group"),
+        (Formula::GroupStart, "start of a group"),
+        (Formula::GroupEnd, "end of a group"),
         (Formula::RgbPlane, "RGB plane"),
         (Formula::LrgbPlane, "LRGB plane"),
         (Formula::Transform, "transform"),
@@ -178,6 +186,10 @@ impl Formula {
             Formula::RgbSample => format == Format::Rgb,
             // LUM has a single block.
             Formula::BlockLength => format.coding().is_none() && format != Format::Lum,
+            Formula::GroupSize | Formula::GroupStart | Formula::GroupEnd => {
+                format.coding().is_none()
+            }
+            Formula::TexelStart => format.storage() == Storage::Texels,
             Formula::LrgbCoefficient | Formula::LrgbColor => format == Format::Lrgb,
             Formula::TableColor => format == Format::PtmLut,
             Formula::RgbPlane => format.coding().is_some() && channels == 18,

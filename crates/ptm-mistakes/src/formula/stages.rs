@@ -67,12 +67,23 @@ fn to_byte(value: f64) -> u8 {
     value.floor().rem_euclid(256.0) as u8
 }
 
-/// Decodes a file with edited formulas. A byte or sample at an edited position outside the data is `outside`; the file is refused if
-/// that is `None`.
+/// What a decoder does at an edited position outside the data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outside {
+    /// It refuses the file.
+    Refused,
+    /// It finds this byte.
+    Byte(u8),
+    /// It finds nothing, so that all later values move up, and the last ones are 0. A slice of a JavaScript or Python array ends
+    /// with the data.
+    Nothing,
+}
+
+/// Decodes a file with edited formulas. A byte or sample at an edited position outside the data is `outside`.
 ///
 /// # Errors
 /// Returns the violated clause, the byte offset, and what was found there.
-pub fn decode(file: &[u8], reading: &Reading, edits: Edits, outside: Option<u8>) -> Result<Ptm> {
+pub fn decode(file: &[u8], reading: &Reading, edits: Edits, outside: Outside) -> Result<Ptm> {
     match edits.has_stage(Stage::Decoding) {
         true => decode_stages(file, reading, edits, outside),
         false => decode_as(file, reading, &Limits::default()),
@@ -135,7 +146,7 @@ fn coefficient_index(channel: usize) -> [f64; 2] {
     [channel % 6, channel / 6].map(|number| number as f64)
 }
 
-fn decode_stages(file: &[u8], reading: &Reading, edits: Edits, outside: Option<u8>) -> Result<Ptm> {
+fn decode_stages(file: &[u8], reading: &Reading, edits: Edits, outside: Outside) -> Result<Ptm> {
     let mut input = Input::new(file);
     let header = decode::read_header(&mut input)?;
     // Edits of formulas that the format does not use change nothing.
@@ -157,7 +168,11 @@ fn decode_stages(file: &[u8], reading: &Reading, edits: Edits, outside: Option<u
     if header.format.coding().is_none() && header.size.bytes(1) > max_texels {
         return Err(outside_data_error(input.at()));
     }
+    let has_groups = edits.edits_any(Formula::GroupSize..=Formula::GroupEnd);
     let samples = match header.format.storage() {
+        Storage::Texels | Storage::Table | Storage::ColorTable if has_groups => {
+            texels.samples_of_groups(&mut input)?
+        }
         Storage::Texels => texels.samples_of_blocks(&input)?,
         Storage::Table | Storage::ColorTable => texels.samples_of_table(&mut input)?,
         Storage::Streams(coding) => {
@@ -187,8 +202,7 @@ struct TexelLayout<'a> {
     header: &'a Header,
     reading: &'a Reading,
     edits: Edits<'a>,
-    /// Value of what is outside the data, if the file is not refused.
-    outside: Option<u8>,
+    outside: Outside,
 }
 
 fn outside_data_error(offset: usize) -> Error {
@@ -206,14 +220,29 @@ fn element_at<T>(data: &[T], address: f64) -> Result<&T> {
     found.ok_or_else(|| outside_data_error(0))
 }
 
+/// Returns the bytes in a range, as far as they are in the data. As in JavaScript and Python, a negative position counts from the end.
+fn slice(data: &[u8], from: f64, to: f64) -> &[u8] {
+    let length = data.len() as f64;
+    let [from, to] = [from, to].map(|position| {
+        let position = if position < 0.0 {
+            position + length
+        } else {
+            position
+        };
+        position.clamp(0.0, length) as usize
+    });
+    data.get(from..to).unwrap_or_default()
+}
+
 /// Maximum number of bytes of an index whose size is computed with an edited formula.
 const MAX_INDEX_BYTES: f64 = 8.0;
 
-/// Returns the value at an address, or `outside` if the address is an integer outside the data.
-fn value_at(data: &[u8], address: f64, outside: Option<u8>) -> Result<u8> {
+/// Returns the value at an address, or what `outside` says if the address is an integer outside the data.
+fn value_at(data: &[u8], address: f64, outside: Outside) -> Result<Option<u8>> {
     match (element_at(data, address), outside) {
-        (Err(_), Some(value)) if address.fract() == 0.0 => Ok(value),
-        (found, _) => found.copied(),
+        (Err(_), Outside::Byte(value)) if address.fract() == 0.0 => Ok(Some(value)),
+        (Err(_), Outside::Nothing) if address.fract() == 0.0 => Ok(None),
+        (found, _) => found.copied().map(Some),
     }
 }
 
@@ -224,37 +253,52 @@ impl TexelLayout<'_> {
     }
 
     /// Collects the samples of the image in order. Calls `sample` with the stored row, the stored column, and the channel.
-    fn collect(&self, mut sample: impl FnMut(f64, f64, usize) -> Result<u8>) -> Result<Vec<u8>> {
+    fn collect(
+        &self,
+        mut sample: impl FnMut(f64, f64, usize) -> Result<Option<u8>>,
+    ) -> Result<Vec<u8>> {
         let edits = self.edits;
         let [width, height] = self.size();
         let channels = self.header.format.channels();
-        let mut samples = Vec::with_capacity(self.header.size.texels() * channels);
-        for row in 0..self.header.size.height {
-            for column in 0..self.header.size.width {
-                let texel = [f64::from(column), f64::from(row), width, height];
-                if edits.is_edited(Formula::StoredTexel) {
-                    let p = texel[1] * width + texel[0];
-                    let variables = [texel[0], texel[1], width, height, p];
-                    let t = edits.value(Formula::StoredTexel, &variables, &[]);
-                    // A texel before the first is in the same row.
-                    let stored_row = (t / width).floor().max(0.0);
-                    for channel in 0..channels {
-                        samples.push(if t.is_nan() {
-                            0
-                        } else {
-                            sample(stored_row, t - stored_row * width, channel)?
-                        });
-                    }
-                    continue;
+        let total = self.header.size.texels() * channels;
+        let mut samples = Vec::with_capacity(total);
+        // If values move up, the texels after the last one of the image are read, too.
+        let is_edited = edits.is_edited(Formula::StoredTexel);
+        let times = if is_edited && self.outside == Outside::Nothing {
+            2.0
+        } else {
+            1.0
+        };
+        let mut texel = [0.0, 0.0, width, height];
+        while samples.len() < total && texel[1] < times * height {
+            let [x, y, ..] = texel;
+            let (stored_row, stored_column) = if is_edited {
+                let variables = [x, y, width, height, y * width + x];
+                let t = edits.value(Formula::StoredTexel, &variables, &[]);
+                if y >= height && t < 0.0 {
+                    break;
                 }
-                let unedited = || (self.reading.stored_row)(self.header, row as usize) as f64;
+                // A texel before the first is in the same row.
+                let stored_row = (t / width).floor().max(0.0);
+                (stored_row, t - stored_row * width)
+            } else {
+                let unedited = || (self.reading.stored_row)(self.header, y as usize) as f64;
                 let stored_row = edits.value_or(Formula::StoredRow, &texel, unedited);
-                let stored_column = edits.value_or(Formula::StoredColumn, &texel, || texel[0]);
-                for channel in 0..channels {
-                    samples.push(sample(stored_row, stored_column, channel)?);
-                }
+                let stored_column = edits.value_or(Formula::StoredColumn, &texel, || x);
+                (stored_row, stored_column)
+            };
+            for channel in 0..channels {
+                samples.extend(if is_edited && stored_column.is_nan() {
+                    Some(0)
+                } else {
+                    sample(stored_row, stored_column, channel)?
+                });
             }
+            let is_last = x + 1.0 == width;
+            texel[0] = if is_last { 0.0 } else { x + 1.0 };
+            texel[1] = if is_last { y + 1.0 } else { y };
         }
+        samples.resize(total, 0);
         Ok(samples)
     }
 
@@ -294,6 +338,8 @@ impl TexelLayout<'_> {
     }
 
     fn samples_of_blocks(&self, input: &Input) -> Result<Vec<u8>> {
+        let start = input.at() as f64;
+        let start = self.edits.value(Formula::TexelStart, &[start], &[]);
         self.collect(|row, column, channel| {
             let formula = match self.header.format.shape() {
                 Shape::Rgb => Formula::RgbSample,
@@ -303,7 +349,7 @@ impl TexelLayout<'_> {
             };
             let address = self.address_of(formula, [row, column], channel, [0.0; 3]);
             // A position before the payload is in the header.
-            value_at(self.file, input.at() as f64 + address, self.outside)
+            value_at(self.file, start + address, self.outside)
         })
     }
 
@@ -336,12 +382,14 @@ impl TexelLayout<'_> {
             let stored = |k| byte_at(self.address_of(Formula::IndexByte, [row, column], k, layout));
             let stored = (0..bytes as usize)
                 .map(stored)
-                .collect::<Result<Vec<u8>>>()?;
+                .collect::<Result<Vec<Option<u8>>>>()?;
+            let stored: Vec<u8> = stored.into_iter().flatten().collect();
             let digit = |k: usize| stored.get(k).map_or(0.0, |&digit| f64::from(digit));
             let unedited = || (self.reading.index)(&stored) as f64;
             let variables = [digit(0), digit(1), entries];
             // The formula only applies to indices of two bytes.
             let index = match stored.len() {
+                0 if bytes > 0.0 => 0.0,
                 1 => unedited(),
                 _ => self.edits.value_or(Formula::Index, &variables, unedited),
             };
@@ -349,7 +397,7 @@ impl TexelLayout<'_> {
             let entry = match index >= 0.0 && index.fract() == 0.0 {
                 true => (self.reading.entry)(index as usize, count)
                     .map(|entry| entry as f64)
-                    .or(self.outside.map(|_| index))
+                    .or(matches!(self.outside, Outside::Byte(_)).then_some(index))
                     .ok_or_else(|| outside_data_error(0))?,
                 false => index,
             };
@@ -366,6 +414,81 @@ impl TexelLayout<'_> {
             };
             byte_at(address)
         })
+    }
+
+    /// Collects the samples of the image texel by texel, each from a *group* of bytes in every block, as a decoder does that takes
+    /// slices: a group ends with the file at the latest, and groups of another size move all values that follow.
+    fn samples_of_groups(&self, input: &mut Input) -> Result<Vec<u8>> {
+        let (edits, format, size) = (self.edits, self.header.format, self.header.size);
+        let texels = size.texels();
+        let entries = match format.has_table() {
+            true => (self.reading.entry_count)(input)?,
+            false => 0,
+        };
+        let index_size = if entries <= 256 { 1 } else { 2 };
+        let stated: &[(usize, usize)] = match format.shape() {
+            Shape::Rgb => &[(texels, 6); 3],
+            Shape::Lum(()) => &[(texels, 8)],
+            Shape::Lrgb => match format.storage() {
+                Storage::Table => &[(entries, 6), (texels, index_size), (texels, 3)],
+                Storage::ColorTable => &[(entries, 9), (texels, index_size)],
+                _ => &[(texels, 6), (texels, 3)],
+            },
+        };
+        let mut blocks = Vec::new();
+        for (b, &(count, size)) in stated.iter().enumerate() {
+            let size_of = |count: usize| {
+                let variables = [size, count, b].map(|number| number as f64);
+                edits.value(Formula::GroupSize, &variables, &[])
+            };
+            let edited = size_of(count);
+            // If a group has as many bytes as there are texels, their two numbers are exchanged, and the block has the same size.
+            let is_exchanged = edited != size_of(count + 1);
+            let group_size = if is_exchanged { size as f64 } else { edited };
+            blocks.push((input.at() as f64, edited));
+            input.take("2.7/3", "the block", (count as f64 * group_size) as u64)?;
+            if b == 0 && format.has_table() {
+                (self.reading.after_table)(input)?;
+            }
+        }
+        let group = |b: usize, t: usize| {
+            let (start, size) = blocks[b];
+            let variables = [t as f64, size];
+            let [from, to] = [Formula::GroupStart, Formula::GroupEnd]
+                .map(|formula| start + edits.value(formula, &variables, &[]));
+            slice(self.file, from, to)
+        };
+        let entry = |t: usize| -> Result<&[u8]> {
+            let digits = group(1, t);
+            let (low, high) = digits.split_at(digits.len().min(4));
+            let index = low
+                .iter()
+                .rev()
+                .fold(0, |index, &byte| index * 256 + usize::from(byte));
+            match index < entries && high.iter().all(|&byte| byte == 0) {
+                true => Ok(group(0, index)),
+                false => Err(outside_data_error(input.at())),
+            }
+        };
+        let total = texels * format.channels();
+        let mut samples = Vec::with_capacity(total);
+        for y in 0..size.height as usize {
+            let row = (self.reading.stored_row)(self.header, y);
+            for x in 0..size.width as usize {
+                let t = row * size.width as usize + x;
+                for b in 0..blocks.len() {
+                    let bytes = match (format.has_table(), b) {
+                        (true, 0) => entry(t)?,
+                        (true, 1) => continue,
+                        _ => group(b, t),
+                    };
+                    let left = total - samples.len();
+                    samples.extend(&bytes[..bytes.len().min(left)]);
+                }
+            }
+        }
+        samples.resize(total, 0);
+        Ok(samples)
     }
 
     fn samples_of_planes(&self, planes: &[Vec<u8>]) -> Result<Vec<u8>> {
@@ -397,8 +520,7 @@ struct CompressedPlanes<'a> {
     lists: &'a RawLists,
     reading: &'a Reading,
     edits: Edits<'a>,
-    /// Value of what is outside the data, if the file is not refused.
-    outside: Option<u8>,
+    outside: Outside,
 }
 
 impl CompressedPlanes<'_> {
@@ -602,7 +724,8 @@ impl CompressedPlanes<'_> {
         let variables = [x, y, width, height];
         let column = self.edits.value(Formula::EdgeX, &variables, &[]);
         let row = self.edits.value(Formula::EdgeY, &variables, &[]);
-        value_at(plane, row * width + column, self.outside)
+        let found = value_at(plane, row * width + column, self.outside)?;
+        found.ok_or_else(|| outside_data_error(0))
     }
 
     fn add_predictor(&self, plane: &mut [u8], predictor: &[u8], step: &Step) {
@@ -698,10 +821,11 @@ pub fn floats(values: Vec<f64>, edits: Edits) -> Vec<f64> {
         // A number outside the range becomes the smallest integer, as on x86.
         let is_in_range = value.abs() < f64::from(1_u32 << 31);
         let integer = if is_in_range { value as i32 } else { i32::MIN }.cast_unsigned();
-        let bits = f64::from((value as f32).to_bits());
+        let [bits, truncated] = [value, f64::from(integer.cast_signed())]
+            .map(|value| f64::from((value as f32).to_bits()));
         let place = edits.value(Formula::FloatPlace, &[v as f64], &[]);
         for k in [0.0, 1.0, 2.0, 3.0] {
-            let variables = [bits, k, f64::from(integer)];
+            let variables = [bits, k, f64::from(integer), truncated];
             let byte = to_byte(edits.value(Formula::FloatByte, &variables, &[]));
             write_at(&mut bytes, place + k, byte);
         }
