@@ -8,10 +8,11 @@ use ptm::decode::predict::predict_without_offset;
 use ptm_harness::report::Report;
 use ptm_harness::session::plan::RunPlan;
 use ptm_harness::session::run::Run;
-use ptm_suite::cases::{Case, Suite};
+use ptm_suite::cases::{Case, Suite, TableSpelling};
 use ptm_suite::choices::CHOICES;
 use ptm_suite::protocol::frame::{Answer, Samples};
 use ptm_suite::protocol::request::Request;
+use ptm_suite::test_case::TestCase;
 use ptm_suite::verdicts::dialect::Certainty;
 use ptm_suite::verdicts::outcome::Outcome;
 
@@ -105,6 +106,36 @@ fn decoders_pass_under_each_listed_reading_and_the_reading_is_reported() {
             assert_eq!(judgment.certainties[axis], Certainty::Settled, "{words}");
         }
     }
+}
+
+/// An image shows a reading only if another reading of the question gives another image.
+#[test]
+fn images_that_show_a_reading_depend_on_it() {
+    let suite = suite_of_small_files();
+    let run = run(&suite, &["2.6", "2.9.2", "2.9.3"], reference_answer);
+    let report = Report::new(&suite, &run, &[], Vec::new());
+    let mut shown = 0;
+    for followed in &report.dialect {
+        let Some(axis) = CHOICES.iter().position(|one| one.ruling == followed.ruling) else {
+            continue;
+        };
+        for id in &followed.shown_by {
+            let case = suite.cases.iter().position(|case| case.id == *id);
+            let case = case.expect("a case");
+            let file = suite.cases[case].make(TableSpelling::default());
+            let view = &run.observations[case].as_ref().expect("a response").view;
+            let answers = CHOICES[axis].readings.iter().map(|(_, change)| {
+                let mut reading = Reading::SPEC;
+                change(&mut reading);
+                ptm_mistakes::answer(&[], reading, &file.file, view)
+            });
+            let answers: Vec<Answer> = answers.collect();
+            let is_shown = answers.iter().any(|answer| *answer != answers[0]);
+            assert!(is_shown, "{id} does not depend on {}", followed.ruling);
+            shown += 1;
+        }
+    }
+    assert!(shown > 10, "{shown}");
 }
 
 #[test]

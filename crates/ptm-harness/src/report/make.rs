@@ -16,11 +16,11 @@ use crate::session::texture::TextureRun;
 use ptm_mistakes::Misreading;
 use ptm_suite::cases::{Expect, Suite};
 use ptm_suite::compare::{FlatBlocks, LOSSY_TOLERANCE};
-use ptm_suite::dialect::Choices;
+use ptm_suite::dialect::{Choices, Dialect};
 use ptm_suite::name::SuiteName;
 use ptm_suite::test_case::{Allowance, Listed, TestCase};
 use ptm_suite::texture::{self, cases::TextureCase};
-use ptm_suite::verdicts::dialect::Certainty;
+use ptm_suite::verdicts::dialect::{Certainty, DependentAnswers};
 use ptm_suite::verdicts::observation::Response;
 use ptm_suite::verdicts::outcome::Outcome;
 
@@ -34,7 +34,9 @@ impl Report {
         limits: Vec<String>,
     ) -> Report {
         let mut dialect = table_readings(suite, run);
-        dialect.extend(followed_readings(suite, run, &C::CHOICES));
+        let answers = DependentAnswers::new(suite, &run.observations);
+        let is_right = |i: usize, dialect: &Dialect| answers.is_right(i, dialect);
+        dialect.extend(followed_readings(suite, run, &C::CHOICES, is_right));
         Report {
             lenient: leniency(suite, run),
             ..report(suite, run, |i| suite.features(i), dialect, command, limits)
@@ -49,7 +51,15 @@ impl Report {
         command: &[String],
         limits: Vec<String>,
     ) -> Report {
-        let dialect = followed_readings(suite, run, &texture::choices::CHOICES);
+        let is_right = |i: usize, dialect: &Dialect| {
+            let (case, seen) = (&suite.cases[i], run.observations[i].as_ref());
+            let Some(Response::Image { frame, .. }) = seen.map(|seen| &seen.response) else {
+                return false;
+            };
+            let answer = frame.as_ref().unwrap_or(&case.expect);
+            case.expected(dialect).difference(answer).is_none()
+        };
+        let dialect = followed_readings(suite, run, &texture::choices::CHOICES, is_right);
         let features = |i: usize| suite.cases[i].features();
         report(suite, run, features, dialect, command, limits)
     }
@@ -159,23 +169,31 @@ fn case_results<C: Listed, V: Display, T, D, F>(
     results
 }
 
-/// Returns the decoder's reading of each settled choice, with the cases that demonstrate the reading.
+/// Returns the decoder's reading of each settled choice, with the cases that demonstrate the reading: their images are wrong in
+/// another reading. `is_right` returns true if the image of a case is right in a dialect.
 fn followed_readings<C: Listed, V, T, D, F, R>(
     suite: &Suite<C>,
     run: &Run<V, T, D, F>,
     choices: &Choices<R>,
+    is_right: impl Fn(usize, &Dialect) -> bool,
 ) -> Vec<FollowedReading> {
     let mut readings = Vec::new();
     for (axis, choice) in choices.iter().enumerate() {
         if run.judgment.certainties[axis] != Certainty::Settled {
             continue;
         }
+        let is_wrong_in = |i: usize, reading: usize| {
+            let mut other = run.judgment.dialect.clone();
+            other.0[axis] = reading;
+            !is_right(i, &other)
+        };
         let shows = |i: usize| {
             let observation = run.observations[i].as_ref();
-            matches!(
+            let is_about = matches!(
                 observation.map(|observation| &observation.response),
                 Some(Response::Image { right, .. }) if right.axes().contains(&axis)
-            )
+            );
+            is_about && (0..choice.readings.len()).any(|reading| is_wrong_in(i, reading))
         };
         readings.push(FollowedReading {
             ruling: choice.ruling.to_owned(),
