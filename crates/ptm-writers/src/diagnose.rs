@@ -14,7 +14,7 @@ use crate::{reference::write_requested_file, request::WriteRequest};
 use ptm::Format;
 use ptm_generate::Recipe;
 use ptm_harness::diagnose::cover::{CoverCandidate, cover};
-use ptm_harness::diagnose::{Category, Cause, Diagnosis, can_combine};
+use ptm_harness::diagnose::{Accompanying, Category, Cause, Diagnosis, can_combine};
 use ptm_harness::session::run::RunOf;
 use ptm_mistakes::Misreading;
 use ptm_mistakes::writing::{self, WriterMistake};
@@ -73,9 +73,9 @@ pub fn diagnose(
         let cause = Cause::Misreading {
             misreading,
             equivalents: Vec::new(),
-            accompanying: vec![second],
         };
         Diagnosis {
+            accompanying: vec![Accompanying::Misreading(second)],
             is_mechanism: true,
             ..Diagnosis::new(cause, pair.explains)
         }

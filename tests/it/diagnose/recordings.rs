@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use crate::in_process::{reference_answer, suite};
 use crate::recordings::{digest, folder, recorded_answers};
-use ptm_harness::diagnose::{Cause, diagnose, diagnose_among};
+use ptm_harness::diagnose::{Accompanying, Cause, diagnose, diagnose_among};
 use ptm_harness::pipeline::judge_answers;
 use ptm_harness::session::plan::{Repeat, RunPlan};
 use ptm_harness::session::run::Run;
@@ -109,14 +109,11 @@ fn causes(suite: &Suite, reader: &str) -> Vec<ReportedCause> {
     );
     let causes = found.diagnoses.into_iter().map(|diagnosis| {
         let (effect, example) = match diagnosis.cause {
-            Cause::Misreading {
-                misreading,
-                accompanying,
-                ..
-            } => {
-                let with = accompanying
-                    .iter()
-                    .map(|other| format!(" with {}", other.slug));
+            Cause::Misreading { misreading, .. } => {
+                let with = diagnosis.accompanying.iter().map(|other| match other {
+                    Accompanying::Misreading(other) => format!(" with {}", other.slug),
+                    Accompanying::Edit(effect) => format!(" with \"{effect}\""),
+                });
                 let with: String = with.collect();
                 (format!("{}{with}", misreading.slug), String::new())
             }

@@ -1,13 +1,14 @@
 //! Lists failures under the mistakes that the search found.
 
-use super::diagnosis::{Category, Cause, CauseText, Diagnosis};
+use super::diagnosis::{Accompanying, Category, Cause, CauseText, Diagnosis};
 use super::failure_mode::FailureMode;
 use super::mistake::Mistake;
 use super::rules;
-use super::scope::list_formats;
+use super::scope::{list_formats, own_formats};
 use super::search::{Member, MistakeId, MistakeSet, Search, ids_of, without_id};
 use super::tuning::is_few;
 use super::words::{acceptances, differences, formats_phrase, refusals, refusals::WholeFormats};
+use ptm::Format;
 use ptm_mistakes::formula::EditedForm;
 use ptm_mistakes::{Change, Misreading, Symptom};
 
@@ -274,30 +275,89 @@ fn diagnose_member(
             .map(|one| one.with_equivalents(alike.clone()))
             .collect();
     }
-    let others = share.with.iter().map(|&id| &search.mistakes[id]);
     let cause = Cause::Misreading {
         misreading,
         equivalents: alike,
-        accompanying: others.filter_map(Mistake::catalog_misreading).collect(),
     };
     vec![Diagnosis {
+        accompanying: accompanying(search, share),
         is_mechanism: true,
         ..Diagnosis::new(cause, search.case_indices(explained))
     }]
+}
+
+/// Returns the other mistakes that some responses of a share need.
+fn accompanying(search: &Search, share: &Share) -> Vec<Accompanying> {
+    let others = share.with.iter().map(|&id| {
+        let mistake = &search.mistakes[id];
+        match mistake.catalog_misreading() {
+            Some(misreading) => Accompanying::Misreading(misreading),
+            None => Accompanying::Edit(effect_and_fix(mistake)[0].clone()),
+        }
+    });
+    others.collect()
 }
 
 /// Returns the diagnosis for an edit of a formula, or for a misreading that is restricted to some formats or channels.
 fn diagnose_edit(search: &Search, set: &MistakeSet, id: MistakeId, share: &Share) -> Diagnosis {
     let witnesses = search.witnesses;
     let mistake = &search.mistakes[id];
-    let misreading = mistake.misreading;
     let files = match &mistake.formats {
         // The mistake may also change other formats, in other files than these.
         None => formats_phrase(witnesses, &share.explains),
-        Some(formats) => format!(", in files of format {}", list_formats(formats)),
+        Some(formats) => limit_text(search, &without_id(set, id), mistake, formats),
     };
+    let [effect, fix] = effect_and_fix(mistake);
+    let text = CauseText {
+        effect: effect + &files,
+        fix,
+        example: differences::example_of_mistake(search, set, id, share.explains[0]),
+    };
+    let (cases, category) = (&share.explains, Category::Difference);
+    Diagnosis {
+        accompanying: accompanying(search, share),
+        ..Diagnosis::from_description(category, witnesses, cases, text, None)
+            .with_mechanism(mistake.misreading.clause)
+    }
+}
+
+/// Returns text such as ", in files of format LRGB" if every other format whose images the mistake would change contradicts it, or
+/// else ", seen in files of LRGB, but not of RGB".
+fn limit_text(search: &Search, set: &MistakeSet, mistake: &Mistake, formats: &[Format]) -> String {
+    let witnesses = search.witnesses;
+    let everywhere = Mistake {
+        channels: mistake.channels,
+        ..Mistake::unrestricted(mistake.misreading)
+    };
+    let contradicting = search.contradicting_files(set, &everywhere);
+    let mut excluded = own_formats(witnesses, &contradicting, &[]);
+    excluded.retain(|format| !formats.contains(format));
+    let is_open = |&w: &usize| {
+        let format = witnesses[w].case.format();
+        let is_known = formats.contains(&format) || excluded.contains(&format);
+        let changed = || search.changed_agreement_with(w, set, &everywhere);
+        !is_known && search.is_small(w) && changed().is_some()
+    };
+    let seen = list_formats(formats);
+    match (0..witnesses.len()).any(|w| is_open(&w)) {
+        false => format!(", in files of format {seen}"),
+        true if excluded.is_empty() => format!(", seen in files of {seen}"),
+        true => format!(
+            ", seen in files of {seen}, but not of {}",
+            list_formats(&excluded)
+        ),
+    }
+}
+
+/// Returns the effect of a mistake, with its channels, and advice on how to fix it.
+fn effect_and_fix(mistake: &Mistake) -> [String; 2] {
+    let misreading = mistake.misreading;
     let (effect, fix) = match (mistake.catalog_misreading(), misreading.change) {
-        (None, Change::Edits([edit])) => {
+        (None, Change::Edits([edit, others @ ..])) => {
+            // Other edits are those of the other axis.
+            let others = others.iter().map(|edit| edit.formula.stated().result);
+            let others = others.map(|value| format!(", and {value} in the same way"));
+            let others = others.collect::<Vec<_>>().concat();
             let (value, stated) = (edit.formula.stated().result, edit.stated_text());
             let computes = edit.edited_text();
             match edit.change {
@@ -307,7 +367,7 @@ fn diagnose_edit(search: &Search, set: &MistakeSet, id: MistakeId, share: &Share
                 ),
                 EditedForm::Expression(_) => (
                     format!(
-                        "computes {value} as {computes} instead of {stated}{}",
+                        "computes {value} as {computes} instead of {stated}{others}{}",
                         edit.explanations()
                     ),
                     format!("compute {value} as {stated}"),
@@ -322,12 +382,5 @@ fn diagnose_edit(search: &Search, set: &MistakeSet, id: MistakeId, share: &Share
             ),
         ),
     };
-    let text = CauseText {
-        effect: effect + &mistake.channels.describe() + &files,
-        fix,
-        example: differences::example_of_mistake(search, set, id, share.explains[0]),
-    };
-    let (cases, category) = (&share.explains, Category::Difference);
-    Diagnosis::from_description(category, witnesses, cases, text, None)
-        .with_mechanism(misreading.clause)
+    [effect + &mistake.channels.describe(), fix]
 }

@@ -49,7 +49,6 @@ impl<A> CoverCandidate<&'static Misreading<A>> {
         let cause = Cause::Misreading {
             misreading: self.cause,
             equivalents: self.equivalents,
-            accompanying: Vec::new(),
         };
         Diagnosis {
             is_mechanism: true,

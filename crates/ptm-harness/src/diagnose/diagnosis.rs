@@ -13,8 +13,18 @@ pub struct Diagnosis<A: 'static = Change> {
     pub cause: Cause<A>,
     /// Suite indices of the failing cases that the cause reproduces or describes. The example is the first one.
     pub explains: Vec<usize>,
+    /// Other mistakes that some of these cases need.
+    pub accompanying: Vec<Accompanying<A>>,
     /// True if the cause states how the decoder computes, and a decoder that computes in this way reproduces the responses.
     pub is_mechanism: bool,
+}
+
+/// A second mistake that some of the cases of a cause need.
+pub enum Accompanying<A: 'static = Change> {
+    /// A misreading in the catalog.
+    Misreading(&'static Misreading<A>),
+    /// The effect of another mistake, as a sentence without a subject.
+    Edit(String),
 }
 
 /// The result of a search for causes.
@@ -48,8 +58,6 @@ pub enum Cause<A: 'static = Change> {
         misreading: &'static Misreading<A>,
         /// Misreadings that explain the same cases equally well.
         equivalents: Vec<&'static Misreading<A>>,
-        /// Other misreadings that also affect these cases.
-        accompanying: Vec<&'static Misreading<A>>,
     },
     /// A description of the failures, if no misreading is named.
     Described {
@@ -111,6 +119,7 @@ impl<A> Diagnosis<A> {
         Diagnosis {
             cause,
             explains,
+            accompanying: Vec::new(),
             is_mechanism: false,
         }
     }

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 use std::sync::LazyLock;
 
 use super::learned;
-use super::mistake::{ChannelSubset, Mistake, edit_as_misreading};
+use super::mistake::{ChannelSubset, Mistake, edits_as_misreading};
 use super::place::wrong_channels;
 use super::rules;
 use super::scope::own_formats;
@@ -18,18 +18,23 @@ use super::tuning::{
     MAX_EDITS, MAX_PROBES, MAX_RESTRICTED_MISREADINGS, MIN_PROBE_SIZE, MIN_TWICE_LIMITED_IMAGES,
 };
 use super::witness::Agreement;
-use ptm_mistakes::formula::{EditedForm, Expression, Formula, edits};
+use ptm_mistakes::formula::{Edit, EditedForm, Expression, Formula, edits};
 use ptm_mistakes::{Change, Misreading};
 use ptm_suite::protocol::frame::Answer;
+
+/// Edits of both axes at once.
+static EDITS_OF_BOTH_AXES: LazyLock<Vec<[Edit; 2]>> = LazyLock::new(edits::of_both_axes);
 
 /// Misreadings for all edits of all formulas, most likely first.
 static EDITS: LazyLock<Vec<Misreading>> = LazyLock::new(|| {
     let formulas = Formula::ALL.iter();
     let ranked = formulas.flat_map(|&(formula, ..)| edits::all(formula).iter().enumerate());
-    let mut all: Vec<_> = ranked.collect();
+    let single = ranked.map(|(rank, edit)| (rank, std::slice::from_ref(edit)));
+    let both = EDITS_OF_BOTH_AXES.iter().map(|pair| &pair[..]);
+    let mut all: Vec<(usize, &[Edit])> = single.chain(both.enumerate()).collect();
     all.sort_by_key(|(rank, _)| *rank);
     all.into_iter()
-        .map(|(_, edit)| edit_as_misreading(edit))
+        .map(|(_, edits)| edits_as_misreading(edits))
         .collect()
 });
 

@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BTreeMap;
 
-use super::mistake::edit_as_misreading;
+use super::mistake::edits_as_misreading;
 use super::search::{MistakeSet, Search};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most};
 use super::witness::Witness;
@@ -35,7 +35,7 @@ pub fn learn_tables(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<&'
         let change = EditedForm::Table(Box::new(table));
         // Leaks at most two tables per diagnosis.
         let edit: &'static Edit = Box::leak(Box::new(Edit { formula, change }));
-        Box::leak(Box::new(edit_as_misreading(edit)))
+        Box::leak(Box::new(edits_as_misreading(std::slice::from_ref(edit))))
     };
     tables.into_iter().flatten().map(misreading).collect()
 }

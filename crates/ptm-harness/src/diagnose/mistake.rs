@@ -140,8 +140,7 @@ impl ChannelSubset {
     }
 }
 
-/// Returns a misreading that consists of a single edit and has no slug.
-pub(super) fn edit_as_misreading(edit: &'static Edit) -> Misreading {
-    let change = Change::Edits(std::slice::from_ref(edit));
-    Misreading::unlisted(edit.formula.stated().clause, change)
+/// Returns a misreading that consists of these edits and has no slug.
+pub(super) fn edits_as_misreading(edits: &'static [Edit]) -> Misreading {
+    Misreading::unlisted(edits[0].formula.stated().clause, Change::Edits(edits))
 }

@@ -33,7 +33,7 @@ mod witness;
 mod words;
 
 pub use assume::assume;
-pub use diagnosis::{Category, Cause, Causes, Diagnosis};
+pub use diagnosis::{Accompanying, Category, Cause, Causes, Diagnosis};
 pub(crate) use stream_cache::decode_stream_cached;
 pub use tuning::MAX_WORK;
 pub(crate) use witness::dialect_reading;

@@ -175,6 +175,9 @@ pub struct LikelyCause {
     /// Slugs of other misreadings that affect the same cases.
     #[serde(rename = "with", default, skip_serializing_if = "Vec::is_empty")]
     pub accompanying: Vec<String>,
+    /// Effects of other mistakes, outside the catalog, that affect the same cases.
+    #[serde(rename = "with_edits", default, skip_serializing_if = "Vec::is_empty")]
+    pub accompanying_edits: Vec<String>,
     /// Failing cases that this cause reproduces or describes. The example is the first one.
     pub explains: Vec<String>,
     /// Detailed description of one failure, down to the bytes of the file, if no misreading is named.

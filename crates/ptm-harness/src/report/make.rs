@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::fmt::Display;
 use std::path::Path;
 
-use crate::diagnose::{Cause, Diagnosis};
+use crate::diagnose::{Accompanying, Cause, Diagnosis};
 use crate::report::document::{
     CaseResult, DecoderInfo, FollowedReading, LikelyCause, Report, SCHEMA, Tool, Verdict,
 };
@@ -331,9 +331,16 @@ fn cause<A: 'static>(
     ids: &dyn Fn(&[usize]) -> Vec<String>,
     diagnosis: &Diagnosis<A>,
 ) -> LikelyCause {
+    let mut named = named_cause(&diagnosis.cause);
+    for other in &diagnosis.accompanying {
+        match other {
+            Accompanying::Misreading(one) => named.accompanying.push(one.slug.to_owned()),
+            Accompanying::Edit(effect) => named.accompanying_edits.push(effect.clone()),
+        }
+    }
     LikelyCause {
         explains: ids(&diagnosis.explains),
-        ..named_cause(&diagnosis.cause)
+        ..named
     }
 }
 
@@ -343,14 +350,12 @@ fn named_cause<A: 'static>(cause: &Cause<A>) -> LikelyCause {
         Cause::Misreading {
             misreading,
             equivalents,
-            accompanying,
         } => LikelyCause {
             misreading: Some(misreading.slug.to_owned()),
             clause: Some(misreading.clause.to_owned()),
             effect: misreading.effect.to_owned(),
             fix: misreading.fix.to_owned(),
             equivalents: slugs(equivalents),
-            accompanying: slugs(accompanying),
             ..LikelyCause::default()
         },
         Cause::Described {

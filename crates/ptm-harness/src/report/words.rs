@@ -49,6 +49,11 @@ pub fn details(cause: &LikelyCause, suite: SuiteName) -> Vec<Detail<'_>> {
             format!("Some of these responses need a second mistake: the {subject} also {effect} (");
         details.push((before, slug, ")", None));
     }
+    for effect in &cause.accompanying_edits {
+        let text =
+            format!("Some of these responses need a second mistake: the {subject} also {effect}");
+        details.push((text, "", "", None));
+    }
     details
 }
 

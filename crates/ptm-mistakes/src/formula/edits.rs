@@ -269,6 +269,47 @@ pub fn all(formula: Formula) -> &'static [Edit] {
     &ALL[formula as usize]
 }
 
+/// Formulas for both axes. A decoder often computes both with the same code.
+const AXES: [[Formula; 2]; 2] = [
+    [Formula::DisplacedX, Formula::DisplacedY],
+    [Formula::EdgeX, Formula::EdgeY],
+];
+
+/// Returns the edits of both axes at once, the most likely ones of each formula first: an edit for x, and the same edit for y.
+#[must_use]
+pub fn of_both_axes() -> Vec<[Edit; 2]> {
+    let other_axis = |name: &str| match name {
+        "x" => "y",
+        "y" => "x",
+        "mx" => "my",
+        "my" => "mx",
+        "width" => "height",
+        _ => "width",
+    };
+    let pairs = AXES.iter().flat_map(|&[first, second]| {
+        let names = first.scope().variables;
+        let swapped = move |node: &Expression| match node {
+            Expression::Variable(index) => {
+                let other = other_axis(names[*index]);
+                let index = names.iter().position(|name| *name == other)?;
+                Some(Expression::Variable(index))
+            }
+            _ => None,
+        };
+        all(first)
+            .iter()
+            .filter_map(move |edit| match &edit.change {
+                EditedForm::Expression(expression) => {
+                    let change = EditedForm::Expression(replace_nodes(expression, &swapped));
+                    let formula = second;
+                    Some([edit.clone(), Edit { formula, change }])
+                }
+                EditedForm::Table(_) => None,
+            })
+    });
+    pairs.collect()
+}
+
 fn all_edits(formula: Formula) -> Vec<Edit> {
     let (stated, whole_scope) = (&formula.stated().expression, formula.scope());
     let mut scope = whole_scope;
@@ -676,6 +717,16 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
     let permutations = permutations(digits.len()).into_iter();
     let mut all: Vec<Expression> = permutations.map(in_order).collect();
     all.extend(change_merged_loops(digits));
+    // A digit is left out.
+    if digits.len() > 1 {
+        all.extend((0..digits.len()).map(|index| {
+            let others = digits
+                .iter()
+                .enumerate()
+                .filter(|(other, _)| *other != index);
+            Expression::Address(others.map(|(_, digit)| digit.clone()).collect())
+        }));
+    }
     let with_digit = |index: usize, digit: Expression, radix: Expression| {
         let mut changed = digits.clone();
         changed[index] = (digit, radix);
@@ -919,6 +970,20 @@ mod tests {
         ] {
             let is_generated = edit_texts(formula).iter().any(|text| text == expected);
             assert!(is_generated, "{expected} is not generated");
+        }
+    }
+
+    #[test]
+    fn edits_of_both_axes_are_the_same() {
+        let texts: Vec<[String; 2]> = of_both_axes()
+            .iter()
+            .map(|pair| [0, 1].map(|i| pair[i].edited_text()))
+            .collect();
+        for expected in [
+            ["x - mx / 2", "y - my / 2"],
+            ["min(max(x, 0), width - 2)", "min(max(y, 0), height - 2)"],
+        ] {
+            assert!(texts.iter().any(|pair| pair == &expected), "{expected:?}");
         }
     }
 
