@@ -196,6 +196,8 @@ stored value | select(at_most(abs(t), 0), raw, 0) | any | (raw if t = 0, else 0)
 channel of a value | c * 5 + i | any | c * 5 + i instead of
 channel of a value | select(at_most(abs(c), 0), i + 3, i) | any | (i + 3 if c = 0, else i)
 stored texel | (height - 1 - floor(p / (width + 1))) * width + mod(p, width + 1) - 1 | any | mod(p, width + 1)
+plane | mod(residual + predictor - 129, 256) | any | residual + predictor - 129
+record position | (p3 * 256 + p2) * 256 + p1 | any | (p3 * 256 + p2) * 256 + p1 instead of
 start of the texels | at - 1 | any | the first byte after the header as at - 1 instead of at
 size of a group | count | any | as count instead of size && count is the number of texels
 size of a group | select(at_most(abs(b - 1), 0), size - 1, size) | any | (size - 1 if b = 1, else size)
@@ -375,6 +377,37 @@ fn mistake_outside_the_formulas_is_described() {
                 other => other,
             },
             &["wrong stored values"],
+        ),
+        (
+            "noise in all planes, also in those with side information",
+            |request, answer| match answer {
+                Answer::Decoded(mut frame) if frame.view == ViewKind::Raw => {
+                    let is_coded = request.file.windows(16).any(|at| at == b"PTM_FORMAT_JPEGL");
+                    if let (Samples::U8(samples), true) = (&mut frame.samples, is_coded) {
+                        for (i, sample) in samples.iter_mut().enumerate() {
+                            *sample ^= (i * i % 251) as u8 | 1;
+                        }
+                    }
+                    Answer::Decoded(frame)
+                }
+                Answer::Decoded(_) => Answer::Unsupported,
+                other => other,
+            },
+            &["shows wrong values in planes that are not predicted, in"],
+        ),
+        (
+            "red and green exchanged",
+            |_, answer| match answer {
+                Answer::Decoded(mut frame) => {
+                    if let (Samples::U8(samples), 18) = (&mut frame.samples, frame.channels) {
+                        let texels = samples.chunks_exact_mut(18);
+                        texels.for_each(|texel| texel[..12].rotate_left(6));
+                    }
+                    Answer::Decoded(frame)
+                }
+                other => other,
+            },
+            &["wrong places: red has the values of green, green those of red"],
         ),
         (
             "height instead of width",

@@ -2,7 +2,7 @@
 
 use super::properties::VIEW_PROPERTIES;
 use super::rules;
-use super::tuning::{COINCIDENCE_ODDS, MIN_SHARING_FILES, MIN_SUPPORT, is_substantial};
+use super::tuning::{COINCIDENCE_ODDS, MIN_SHARING_FILES, MIN_SUPPORT, is_substantial, is_third};
 use super::witness::Witness;
 use ptm::Format;
 use ptm_suite::cases::Expect;
@@ -266,7 +266,9 @@ pub(super) fn common_property(witnesses: &[Witness], cases: &[usize]) -> Option<
     let is_significant = chance * properties.len() as f64 * COINCIDENCE_ODDS < 1.0;
     let (_, text) = properties[index].0.split_once(' ')?;
     let is_rare = !is_substantial(count, others.len());
-    (is_rare && is_significant && cases.len() >= MIN_SHARING_FILES).then_some(text)
+    // If most files with the property are read, it is not what these files fail for.
+    let is_telling = is_third(cases.len(), cases.len() + count);
+    (is_rare && is_telling && is_significant && cases.len() >= MIN_SHARING_FILES).then_some(text)
 }
 
 /// Returns true if some legal files of the same formats are not witnesses, for example because they are unsupported.

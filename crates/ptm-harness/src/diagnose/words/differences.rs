@@ -99,15 +99,16 @@ pub(in crate::diagnose) fn describe(
     let (witnesses, cases) = (search.witnesses, &group.cases[..]);
     let mut wrong = wrong_channels(search, set, cases);
     wrong.retain(|_| cases.len() >= MIN_SHARING_FILES);
-    let [effect, fix] = match are_only_final_values_wrong(search, step, cases) {
-        true => [
+    let [effect, fix] = match step {
+        Step::FinalValue if are_only_final_values_wrong(search, cases) => [
             "shows wrong final values, although all colors under a light are correct",
             "compare the code that computes and writes the values of view coef with the code that computes colors; docs/protocol.md describes the bytes",
         ],
-        false => effect_and_fix(step),
+        Step::Stream => [wrong_planes(search, cases), effect_and_fix(step)[1]],
+        _ => effect_and_fix(step),
     };
     let [_, swap_fix] = effect_and_fix(Step::Rearranged);
-    let swapped = swapped_channels(search, set, cases, &wrong);
+    let swapped = swapped_channels(search, cases, &wrong);
     let (effect, fix) = match (swapped, exchanged_axes(search, set, step, cases)) {
         (Some([first, second]), _) => (format!("swaps {first} and {second}"), swap_fix),
         (None, Some(axes)) => (
@@ -122,7 +123,7 @@ pub(in crate::diagnose) fn describe(
                 "{effect}{}{}{}{}{}",
                 shape_text(search, set, step, cases),
                 value_text(search, cases),
-                source_text(search, set, cases),
+                source_text(search, cases),
                 channel_text(search, cases, &wrong),
                 texel_text(search, cases)
             ),
@@ -239,8 +240,30 @@ fn shape_text(search: &Search, set: &MistakeSet, step: Step, cases: &[usize]) ->
     }
 }
 
+/// Returns the most precise statement about the wrong planes of images that differ in a stream, and that holds for all of them.
+fn wrong_planes(search: &Search, cases: &[usize]) -> &'static str {
+    let (mut are_plain, mut are_unpredicted) = (true, true);
+    for &w in cases {
+        let witness = &search.witnesses[w];
+        let coded = witness.model().and_then(|model| model.compressed.as_ref());
+        let pair = image_pair(search, &[], w).filter(|pair| pair.view != ViewKind::Rgb);
+        let Some((coded, pair)) = coded.zip(pair) else {
+            continue;
+        };
+        let wrong = pair.wrong_channels();
+        let wrong = || (0..wrong.len()).filter(|&plane| wrong[plane]);
+        are_plain &= wrong().any(|plane| witness.is_plain_plane(plane));
+        are_unpredicted &= wrong().any(|plane| coded.plan.reference(plane).is_none());
+    }
+    match (are_plain, are_unpredicted) {
+        (true, _) => effect_and_fix(Step::Stream)[0],
+        (false, true) => "shows wrong values in planes that are not predicted",
+        _ => "shows wrong values in planes, predicted or not",
+    }
+}
+
 /// Returns true if all colors of legal files of these formats are correct, and nearly all images of final values are wrong.
-fn are_only_final_values_wrong(search: &Search, step: Step, cases: &[usize]) -> bool {
+fn are_only_final_values_wrong(search: &Search, cases: &[usize]) -> bool {
     let format = |w: usize| search.witnesses[w].case.format();
     let of_view = |view: ViewKind| {
         let all = search.witnesses.iter().filter(move |witness| {
@@ -252,10 +275,7 @@ fn are_only_final_values_wrong(search: &Search, step: Step, cases: &[usize]) -> 
         [ViewKind::Coef, ViewKind::Rgb]
             .map(|view| of_view(view).filter(|w| w.failed == failed).count())
     });
-    step == Step::FinalValue
-        && wrong[1] == 0
-        && right[1] >= MIN_READ_FILES
-        && is_nearly_all(wrong[0], wrong[0] + right[0])
+    wrong[1] == 0 && right[1] >= MIN_READ_FILES && is_nearly_all(wrong[0], wrong[0] + right[0])
 }
 
 /// Returns text such as ": every wrong sample is NaN", or ": every wrong sample is 127 instead of 255", if all wrong samples of the
@@ -323,19 +343,14 @@ fn views_phrase(witnesses: &[Witness], indices: &[usize]) -> String {
     }
 }
 
-/// Returns the names of the two wrong channels if swapping them corrects all images. Images are compared as in [`image_pair`].
-fn swapped_channels(
-    search: &Search,
-    set: &[MistakeId],
-    indices: &[usize],
-    wrong: &[bool],
-) -> Option<[String; 2]> {
+/// Returns the names of the two wrong channels if swapping them corrects all images.
+fn swapped_channels(search: &Search, indices: &[usize], wrong: &[bool]) -> Option<[String; 2]> {
     let channels: Vec<usize> = (0..wrong.len()).filter(|&channel| wrong[channel]).collect();
     let [first, second] = channels[..] else {
         return None;
     };
     let is_swapped = |&w: &usize| {
-        let pair = image_pair(search, set, w).filter(|pair| pair.channels == wrong.len());
+        let pair = image_pair(search, &[], w).filter(|pair| pair.channels == wrong.len());
         pair.is_some_and(|mut pair| {
             let texels = pair.expected.chunks_exact_mut(pair.channels);
             texels.for_each(|texel| texel.swap(first, second));
@@ -349,8 +364,8 @@ fn swapped_channels(
 
 /// Returns text such as ": G has the values of R, B those of G" if wrong channels have the values of other channels in all images of
 /// stored values.
-fn source_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
-    let pairs = cases.iter().filter_map(|&w| image_pair(search, set, w));
+fn source_text(search: &Search, cases: &[usize]) -> String {
+    let pairs = cases.iter().filter_map(|&w| image_pair(search, &[], w));
     let pairs: Vec<ImagePair> = pairs.filter(|pair| pair.view == ViewKind::Raw).collect();
     if pairs.len() < MIN_SUPPORT {
         return String::new();
@@ -386,6 +401,25 @@ fn source_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
     let verbs = ["has the values of"]
         .into_iter()
         .chain(std::iter::repeat("those of"));
+    // The colors of RGB move as a whole.
+    let is_of_color = |six: &[(usize, usize)]| {
+        let (first, source) = six[0];
+        let is_whole = six.len() == 6 && first % 6 == 0 && source % 6 == 0;
+        let mut six = six.iter().enumerate();
+        is_whole && six.all(|(i, pair)| *pair == (first + i, source + i))
+    };
+    let (moved, channels) = match channels == 18 && moved.chunks(6).all(is_of_color) {
+        true => {
+            let colors = moved.iter().step_by(6);
+            (
+                colors
+                    .map(|&(channel, source)| (channel / 6, source / 6))
+                    .collect(),
+                3,
+            )
+        }
+        false => (moved, channels),
+    };
     let parts = moved.iter().zip(verbs).map(|(&(channel, source), verb)| {
         let [channel, source] = [channel, source].map(|one| channel_name(channels, one));
         format!("{channel} {verb} {source}")
