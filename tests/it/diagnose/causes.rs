@@ -196,7 +196,6 @@ stored value | select(at_most(abs(t), 0), raw, 0) | any | (raw if t = 0, else 0)
 channel of a value | c * 5 + i | any | c * 5 + i instead of
 channel of a value | select(at_most(abs(c), 0), i + 3, i) | any | (i + 3 if c = 0, else i)
 stored texel | (height - 1 - floor(p / (width + 1))) * width + mod(p, width + 1) - 1 | any | mod(p, width + 1)
-plane | mod(residual + predictor - 129, 256) | any | residual + predictor - 129
 record position | (p3 * 256 + p2) * 256 + p1 | any | (p3 * 256 + p2) * 256 + p1 instead of
 start of the texels | at - 1 | any | the first byte after the header as at - 1 instead of at
 size of a group | count | any | as count instead of size && count is the number of texels
