@@ -39,7 +39,7 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
 ];
 
 /// Edits that no operator generates: the name of the formula, and the expression.
-const FURTHER_EDITS: [(Formula, &str); 75] = [
+const FURTHER_EDITS: [(Formula, &str); 63] = [
     // The limits of a color are exchanged.
     (
         Formula::Rendering,
@@ -149,46 +149,6 @@ const FURTHER_EDITS: [(Formula, &str); 75] = [
     (Formula::TexelStart, "at + 1"),
     (Formula::TexelStart, "at - 2"),
     (Formula::TexelStart, "at + 2"),
-    // A texel has as many bytes as there are texels, or one byte more or less, in all blocks or in one.
-    (Formula::GroupSize, "count"),
-    (Formula::GroupSize, "size + 1"),
-    (Formula::GroupSize, "size - 1"),
-    (
-        Formula::GroupSize,
-        "select(at_most(abs(b), 0), count, size)",
-    ),
-    (
-        Formula::GroupSize,
-        "select(at_most(abs(b), 0), size + 1, size)",
-    ),
-    (
-        Formula::GroupSize,
-        "select(at_most(abs(b), 0), size - 1, size)",
-    ),
-    (
-        Formula::GroupSize,
-        "select(at_most(abs(b - 1), 0), count, size)",
-    ),
-    (
-        Formula::GroupSize,
-        "select(at_most(abs(b - 1), 0), size + 1, size)",
-    ),
-    (
-        Formula::GroupSize,
-        "select(at_most(abs(b - 1), 0), size - 1, size)",
-    ),
-    (
-        Formula::GroupSize,
-        "select(at_most(abs(b - 2), 0), count, size)",
-    ),
-    (
-        Formula::GroupSize,
-        "select(at_most(abs(b - 2), 0), size + 1, size)",
-    ),
-    (
-        Formula::GroupSize,
-        "select(at_most(abs(b - 2), 0), size - 1, size)",
-    ),
     // The last coefficient of a polynomial is that of the next channel.
     (
         Formula::IntensityChannel,
@@ -245,9 +205,8 @@ const FURTHER_EDITS: [(Formula, &str); 75] = [
 
 /// Formulas without other edits. Operators would generate edits of another formula, or positions outside the data: a value that is
 /// written there looks like one that is never written.
-const ONLY_FURTHER_EDITS: [Formula; 8] = [
+const ONLY_FURTHER_EDITS: [Formula; 7] = [
     Formula::TexelStart,
-    Formula::GroupSize,
     Formula::ColorPlace,
     Formula::FloatPlace,
     Formula::FloatByte,
@@ -300,9 +259,11 @@ pub fn of_both_axes() -> Vec<[Edit; 2]> {
             .iter()
             .filter_map(move |edit| match &edit.change {
                 EditedForm::Expression(expression) => {
-                    let change = EditedForm::Expression(replace_nodes(expression, &swapped));
-                    let formula = second;
-                    Some([edit.clone(), Edit { formula, change }])
+                    let other = Edit {
+                        formula: second,
+                        change: EditedForm::Expression(replace_nodes(expression, &swapped)),
+                    };
+                    Some([edit.clone(), other])
                 }
                 EditedForm::Table(_) => None,
             })
@@ -317,9 +278,16 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
         scope.variables = &scope.variables[..*count];
     }
     let further = FURTHER_EDITS.iter().filter(|row| row.0 == formula);
-    let further = further.map(|(_, text)| {
+    let parse = |text: &str| {
         parse(text, whole_scope).unwrap_or_else(|error| unreachable!("invalid edit: {error}"))
-    });
+    };
+    let further = further.map(|(_, text)| parse(text));
+    if formula == Formula::GroupSize {
+        return as_edits(
+            formula,
+            group_sizes().iter().map(|text| parse(text)).collect(),
+        );
+    }
     if ONLY_FURTHER_EDITS.contains(&formula) {
         return as_edits(formula, further.collect());
     }
@@ -386,6 +354,19 @@ fn all_edits(formula: Formula) -> Vec<Edit> {
     let mut known = HashSet::from([stated.display(scope)]);
     all.retain(|expression| known.insert(expression.display(whole_scope)));
     as_edits(formula, all)
+}
+
+/// Returns edits of the size of a group: a texel has as many bytes as there are texels, or one byte more or less, in all blocks or in
+/// one of the three.
+fn group_sizes() -> Vec<String> {
+    let sizes = ["count", "size + 1", "size - 1"];
+    let in_block =
+        |b: usize| sizes.map(|size| format!("select(at_most(abs(b - {b}), 0), {size}, size)"));
+    let in_all = sizes.map(str::to_owned);
+    in_all
+        .into_iter()
+        .chain((0..3).flat_map(in_block))
+        .collect()
 }
 
 fn as_edits(formula: Formula, expressions: Vec<Expression>) -> Vec<Edit> {
