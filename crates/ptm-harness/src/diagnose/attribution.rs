@@ -4,7 +4,7 @@ use super::diagnosis::{Accompanying, Category, Cause, CauseText, Diagnosis};
 use super::failure_mode::FailureMode;
 use super::mistake::Mistake;
 use super::rules;
-use super::scope::{list_formats, own_formats};
+use super::scope::list_formats;
 use super::search::{Member, MistakeId, MistakeSet, Search, ids_of, without_id};
 use super::tuning::is_few;
 use super::words::{acceptances, differences, formats_phrase, refusals, refusals::WholeFormats};
@@ -329,8 +329,7 @@ fn limit_text(search: &Search, set: &MistakeSet, mistake: &Mistake, formats: &[F
         channels: mistake.channels,
         ..Mistake::unrestricted(mistake.misreading)
     };
-    let contradicting = search.contradicting_files(set, &everywhere);
-    let mut excluded = own_formats(witnesses, &contradicting, &[]);
+    let mut excluded = search.contradicted_formats(set, &everywhere);
     excluded.retain(|format| !formats.contains(format));
     let is_open = |&w: &usize| {
         let format = witnesses[w].case.format();

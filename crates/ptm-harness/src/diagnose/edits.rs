@@ -15,7 +15,8 @@ use super::rules;
 use super::scope::own_formats;
 use super::search::{MistakeId, MistakeSet, Search, interleave_groups};
 use super::tuning::{
-    MAX_EDITS, MAX_PROBES, MAX_RESTRICTED_MISREADINGS, MIN_PROBE_SIZE, MIN_TWICE_LIMITED_IMAGES,
+    MAX_EDITS, MAX_PROBES, MAX_RESTRICTED_MISREADINGS, MIN_PROBE_SIZE, MIN_SUPPORT,
+    MIN_TWICE_LIMITED_IMAGES,
 };
 use super::witness::Agreement;
 use ptm_mistakes::formula::{Edit, EditedForm, Expression, Formula, edits};
@@ -162,9 +163,16 @@ fn restrict(
             && search.witnesses[*w].is_mistake_in_other_reading(mistake.misreading)
     };
     let mut explained: Vec<usize> = images.iter().copied().filter(fits).collect();
-    let contradicting = search.contradicting_files(set, mistake);
-    let formats = (!contradicting.is_empty())
-        .then(|| own_formats(search.witnesses, &explained, &contradicting));
+    // Contradictions are sought only for a mistake with enough support.
+    if explained.len() < MIN_SUPPORT {
+        return None;
+    }
+    let contradicted = search.contradicted_formats(set, mistake);
+    let formats = (!contradicted.is_empty()).then(|| {
+        let mut formats = own_formats(search.witnesses, &explained, &[]);
+        formats.retain(|format| !contradicted.contains(format));
+        formats
+    });
     let restricted = Mistake {
         misreading: mistake.misreading,
         channels: mistake.channels,

@@ -7,7 +7,7 @@ use super::mistake::edits_as_misreading;
 use super::search::{MistakeSet, Search};
 use super::tuning::{MIN_SHARING_FILES, is_few, is_most};
 use super::witness::Witness;
-use ptm::{Coding, Ptm};
+use ptm::{Coding, Ptm, Size};
 use ptm_mistakes::Misreading;
 use ptm_mistakes::formula::{Edit, EditedForm, Formula};
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, View};
@@ -110,23 +110,35 @@ fn candidate_sources(
             Some(samples.iter().map(flags).collect())
         }
         (View::Coef, Samples::F32(samples)) => {
-            let mut sources = vec![[false; 256]; samples.len()];
-            for value in 0..=255u8 {
-                let mut uniform = ptm.clone();
-                uniform.planes.samples.fill(value);
-                let Answer::Decoded(Frame {
-                    samples: Samples::F32(made),
-                    ..
-                }) = witness.render_stored_values(&search.mistakes_in(set), &uniform)
-                else {
-                    return None;
-                };
-                for (i, (made, shown)) in made.iter().zip(samples).enumerate() {
-                    sources[i][usize::from(value)] = made == shown;
-                }
-            }
-            Some(sources)
+            let channels = ptm.planes.shape.channels();
+            let Answer::Decoded(Frame {
+                samples: Samples::F32(made),
+                ..
+            }) = witness.render_stored_values(&search.mistakes_in(set), &map_of_all_values(ptm))
+            else {
+                return None;
+            };
+            let flags = |(i, &shown): (usize, &f32)| {
+                let channel = i % channels;
+                std::array::from_fn(|value| made.get(value * channels + channel) == Some(&shown))
+            };
+            Some(samples.iter().enumerate().map(flags).collect())
         }
         _ => None,
     }
+}
+
+/// Returns a map with the header of `ptm` and 256 texels: all stored values of texel t are t.
+fn map_of_all_values(ptm: &Ptm) -> Ptm {
+    let mut map = ptm.clone();
+    let size = Size {
+        width: 256,
+        height: 1,
+    };
+    map.header.size = size;
+    map.planes.size = size;
+    let channels = map.planes.shape.channels();
+    let texels = (0..=255).flat_map(|value| std::iter::repeat_n(value, channels));
+    map.planes.samples = texels.collect();
+    map
 }

@@ -316,16 +316,22 @@ impl<'a> Search<'a> {
         is_changed.then(|| self.witnesses[w].agreement(&answer))
     }
 
-    /// Returns the small files whose responses contradict one more mistake, which need not be a candidate.
-    pub fn contradicting_files(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<usize> {
-        let is_contradicting = |&w: &usize| {
-            self.is_small(w) && self.witnesses[w].can_affect(mistake) && {
-                let with = self.compare(w, &self.answer_with(w, set, mistake));
-                self.witnesses[w].can_contradict(mistake, with.agreement)
-                    && rules::contradicts(self.effect(w, set), with)
+    /// Returns the formats of small files whose responses contradict one more mistake, which need not be a candidate.
+    pub fn contradicted_formats(&self, set: &[MistakeId], mistake: &Mistake) -> Vec<Format> {
+        let mut formats = Vec::new();
+        for (w, witness) in self.witnesses.iter().enumerate() {
+            let format = witness.case.format();
+            if formats.contains(&format) || !self.is_small(w) || !witness.can_affect(mistake) {
+                continue;
             }
-        };
-        (0..self.witnesses.len()).filter(is_contradicting).collect()
+            let with = self.compare(w, &self.answer_with(w, set, mistake));
+            if witness.can_contradict(mistake, with.agreement)
+                && rules::contradicts(self.effect(w, set), with)
+            {
+                formats.push(format);
+            }
+        }
+        formats
     }
 
     pub fn answer_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> Cow<'_, Answer> {

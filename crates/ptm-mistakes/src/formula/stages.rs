@@ -824,10 +824,11 @@ pub fn floats(values: Vec<f64>, edits: Edits) -> Vec<f64> {
         let [bits, truncated] = [value, f64::from(integer.cast_signed())]
             .map(|value| f64::from((value as f32).to_bits()));
         let place = edits.value(Formula::FloatPlace, &[v as f64], &[]);
-        for k in [0.0, 1.0, 2.0, 3.0] {
+        for (k, unedited) in (value as f32).to_le_bytes().into_iter().enumerate() {
+            let k = k as f64;
             let variables = [bits, k, f64::from(integer), truncated];
-            let byte = to_byte(edits.value(Formula::FloatByte, &variables, &[]));
-            write_at(&mut bytes, place + k, byte);
+            let byte = edits.value_or(Formula::FloatByte, &variables, || f64::from(unedited));
+            write_at(&mut bytes, place + k, to_byte(byte));
         }
     }
     let (floats, _) = bytes.as_chunks();
