@@ -331,6 +331,7 @@ impl<'a> Search<'a> {
                 formats.push(format);
             }
         }
+        formats.sort_unstable();
         formats
     }
 
