@@ -13,6 +13,7 @@ use ptm_mistakes::formula::{Edit, Outside};
 use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, ViewKind};
 use ptm_suite::protocol::request::Request;
+use ptm_suite::verdicts::observation::Nondeterminism;
 use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::in_process::{
@@ -155,6 +156,32 @@ fn undecoded_format_is_unsupported_despite_refusals() {
     assert!((1..=refusable.count()).contains(&refused), "{refused}");
 }
 
+/// "Every legal file" must not include files whose responses are inconsistent, and that are not compared.
+#[test]
+fn files_with_inconsistent_responses_are_not_among_all_files_with_a_property() {
+    let mut suite = suite_of_small_files();
+    suite.cases.retain(|case| case.format() == Format::Rgb);
+    let mut run = run_faulty_decoder(&suite, |_, answer| match answer {
+        Answer::Decoded(frame) if frame.width * frame.height > 20 => Answer::Rejected,
+        other => other,
+    });
+    let one = failures(&run)[0];
+    run.observations[one]
+        .as_mut()
+        .expect("a response")
+        .nondeterminism = Some(Nondeterminism {
+        in_serve_mode: false,
+        message: "two calls returned different responses".to_owned(),
+    });
+    let causes = causes(&suite, &run)
+        .iter()
+        .map(cause_text)
+        .collect::<Vec<_>>();
+    println!("{causes:#?}");
+    let says = "every legal file with consistent responses whose number of texels is at least";
+    assert!(causes[0].contains(says), "{causes:#?}");
+}
+
 /// Mistakes in formulas: the name of the formula, the wrong expression, the only view that the decoder supports, and parts of the
 /// text of the first cause.
 const FORMULA_MISTAKES: &str = "
@@ -171,6 +198,9 @@ color | L + rgb / 255 | rgb | L + rgb / 255 instead of
 RGB sample | (c + width * height + row * width + x) * 6 + i | any | (c + width * height + (row * width + x)) * 6 + i instead of
 channel of a coefficient | c * 6 + i + 1 | rgb | c * 6 + i + 1 instead of
 matrix row | m[k] * Y + m[5 + k] * Cr + m[10 + k] * Cb + m[15 + k] | rgb | m[10 + k] * Cb
+plane | mod(residual + predictor - 129, 256) | any | residual + predictor - 129, 256) instead of
+second column of a mean | x - floor((mx + 1) / 2) | any | x - floor((mx + 1) / 2) instead of
+first row of a mean | y + floor(my / 3) | any | y + floor(my / 3) instead of
 LUM sample | (row * width + x) * 8 + i - 1 | any | the first byte after the header as at - 1
 LRGB color | width * height * 6 + k - (row * width + x) * 3 | any | k - (row * width + x) * 3
 LRGB coefficient | row * width + x + 6 + i | any | x + 6 + i instead of
@@ -178,6 +208,7 @@ RGB sample | ((c * height + row) * width + x) * 5 + i | any | * 5 + i instead of
 polynomial | a0 * u * u + a2 * u * v + a3 * u + a4 * v + a5 | rgb | a0 * u * u + a2 * u * v
 final coefficient | (raw - bias[i]) * scale[mod(c * 6 + i, 5)] | any | scale[mod(c * 6 + i, 5)] instead of
 final coefficient | (raw - bias[c + i / 6]) * scale[i] | any | bias[c + i / 6]
+final color | select(at_most(i, 0), (raw - bias[i]) * scale[i], raw) | any | ((raw - bias[i]) * scale[i] if i <= 0, else raw)
 number of a byte | mod(raw + 128, 256) - 128 | any | mod(raw + 128, 256) - 128 instead of raw
 float byte | select(at_most(3, k), 0, mod(floor(bits / power(2, 8 * k)), 256)) | any | byte k of a float && (0 if 3 <= k
 float byte | mod(floor(integer / power(2, 8 * k)), 256) | any | where integer is the final value as an integer
@@ -188,6 +219,7 @@ color place | select(at_most(n - 1, t), none, t * 3 + k) | any | where n is the 
 color place | select(at_most(abs(t), 0), t * 3 + k, none) | any | (t * 3 + k if t = 0, else none)
 final coefficient | select(at_most(i, 0), (raw - bias[i]) * scale[i], 0) | any | ((raw - bias[i]) * scale[i] if i <= 0, else 0)
 final coefficient | select(at_most(abs(i - 5), 0), 0, (raw - bias[i]) * scale[i]) | any | 0 instead of && only in a5
+shown value | max(min(value, 255) - 1, 0) | rgb | max(min(value, 255) - 1, 0) instead of
 shown value | max(max(value, 0), 255) | any | max(max(value, 0), 255) instead of
 channel of a coefficient | c * 6 + i - 1 | any | c * 6 + i - 1 instead of
 matrix row | m[k] * Y + m[12 + k] * Cr + m[8 + k] * Cb + m[12 + k] | rgb | m[12 + k] * Cr
@@ -224,6 +256,48 @@ fn formula_mistake_is_described() {
         let mut parts = says.split(" && ");
         let is_described = parts.all(|part| causes[0].contains(part));
         assert!(is_described, "{expression}: {causes:#?}");
+    }
+}
+
+/// A channel outside the texel may have any value.
+#[test]
+fn channel_outside_the_texel_is_described() {
+    let suite = suite_of_small_files();
+    for (formula, expression, format, color, says) in [
+        (
+            "channel of a color",
+            "7 + k",
+            Format::PtmLut,
+            2,
+            "7 + k instead of 6 + k",
+        ),
+        (
+            "channel of a coefficient",
+            "c * 7 + i",
+            Format::Rgb,
+            2,
+            "c * 7 + i instead of",
+        ),
+    ] {
+        let edit = Edit::parse(formula, expression).expect("a formula");
+        let mistake = formula_misreading(vec![edit]);
+        let mut suite = suite.clone();
+        suite.cases.retain(|case| case.format() == format);
+        let causes = diagnose_faulty_decoder(&suite, |request, _| {
+            let mut answer = answer_with(&[&mistake], request);
+            if let Answer::Decoded(frame) = &mut answer
+                && frame.view == ViewKind::Rgb
+                && let Samples::U8(samples) = &mut frame.samples
+            {
+                samples
+                    .iter_mut()
+                    .skip(color)
+                    .step_by(3)
+                    .for_each(|sample| *sample = 77);
+            }
+            answer
+        });
+        assert!(causes[0].contains(says), "{expression}: {causes:#?}");
     }
 }
 

@@ -1420,7 +1420,7 @@ fn one_unscaled_channel_and_one_scaled_color_are_named() {
             .says(&["as raw instead of (raw - bias[i]) * scale[i], only in a5 of blue"])
             .has_causes(1),
         printed_report(&suite, scaled)
-            .says(&["as (raw - bias[i]) * scale[i] instead of raw"])
+            .says(&["as ((raw - bias[i]) * scale[i] if i <= 0, else raw) instead of raw"])
             .has_causes(1),
     ]);
 }

@@ -131,12 +131,9 @@ impl Witness<'_> {
         if !partial.is_empty() || !mistakes.iter().any(|mistake| edits_position(mistake)) {
             return None;
         }
-        let (Answer::Decoded(right), Response::Image { .. }) =
-            (&self.expected, &self.observation.response)
-        else {
+        if !matches!(self.observation.response, Response::Image { .. }) {
             return None;
-        };
-        let received = self.wrong_image().unwrap_or(right);
+        }
         let answer = |outside| {
             let (file, view) = (&self.built.file, &self.observation.view);
             ptm_mistakes::answer_with(&whole, self.reading, file, view, outside)
@@ -154,15 +151,50 @@ impl Witness<'_> {
         else {
             return None;
         };
-        if [&image, &other, right]
+        if image.shape() != other.shape() {
+            return None;
+        }
+        let [values, others] = [&image, &other].map(|frame| frame.samples.to_reals());
+        self.with_values_inside(&image, |i| is_same_value(values[i], others[i]))
+    }
+
+    /// Returns the image of a decoder that, for some colors, takes values of a channel outside the texel. They may be anything, so
+    /// these colors are those of the response. `made` is the image of a decoder that takes those of another texel. Returns `None` if
+    /// no edited channel, or the channel for all colors, is outside the texel, or if less than a third of the wrong samples are inside.
+    pub fn answer_beyond_texel(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
+        let (whole, partial) = self.in_scope(mistakes);
+        let (View::Rgb(_), true, Answer::Decoded(image)) =
+            (&self.observation.view, partial.is_empty(), made)
+        else {
+            return None;
+        };
+        let edits = ptm_mistakes::formula_edits(&whole);
+        let inside = formula::colors_inside_texel(&self.case.format().shape(), Edits(&edits));
+        if inside == [true; 3] {
+            return None;
+        }
+        self.with_values_inside(image, |i| inside[i % 3])
+    }
+
+    /// Returns the response, with the samples of `image` that satisfy `is_inside`. Returns `None` if the shapes differ, or if less
+    /// than a third of the wrong samples are inside.
+    fn with_values_inside(
+        &self,
+        image: &Frame,
+        is_inside: impl Fn(usize) -> bool,
+    ) -> Option<Answer> {
+        let Answer::Decoded(right) = &self.expected else {
+            return None;
+        };
+        let received = self.wrong_image().unwrap_or(right);
+        if [image, right]
             .iter()
             .any(|one| one.shape() != received.shape())
         {
             return None;
         }
-        let [values, others, right, received] =
-            [&image, &other, right, received].map(|frame| frame.samples.to_reals());
-        let is_inside = |i: usize| is_same_value(values[i], others[i]);
+        let [values, right, received] =
+            [image, right, received].map(|frame| frame.samples.to_reals());
         let wrong = (0..right.len()).filter(|&i| !is_same_value(received[i], right[i]));
         let wrong: Vec<usize> = wrong.collect();
         let inside = wrong.iter().filter(|&&i| is_inside(i)).count();
@@ -172,7 +204,10 @@ impl Witness<'_> {
         let value = |i: usize| if is_inside(i) { values[i] } else { received[i] };
         let all: Vec<f64> = (0..right.len()).map(value).collect();
         let samples = self.observation.view.kind().samples(&all);
-        Some(Answer::Decoded(Frame { samples, ..image }))
+        Some(Answer::Decoded(Frame {
+            samples,
+            ..image.clone()
+        }))
     }
 
     pub fn misreadings_in_scope(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {

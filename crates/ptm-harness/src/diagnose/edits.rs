@@ -160,7 +160,7 @@ fn restrict(
     images.retain(|&w| search.agreement_with(w, set, mistake) != Agreement::BlankImage);
     let fits = |w: &usize| {
         search.agreement_with(*w, set, mistake) == Agreement::Image
-            && search.witnesses[*w].is_mistake_in_other_reading(mistake.misreading)
+            && search.witnesses[*w].is_mistake_in_other_reading(mistake)
     };
     let mut explained: Vec<usize> = images.iter().copied().filter(fits).collect();
     // Contradictions are sought only for a mistake with enough support.

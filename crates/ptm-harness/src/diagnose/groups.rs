@@ -57,6 +57,9 @@ pub(super) fn group_stops(search: &Search, left: &mut Vec<usize>) -> Vec<Group> 
     let mut rest: Vec<(String, Vec<usize>)> = Vec::new();
     for (message, mut open) in by_message {
         for read in [&all, &known] {
+            if search.is_arbitrary {
+                break;
+            }
             let is_all = read.len() == all.len();
             while let Some(mut shared) =
                 stop_scope(witnesses, &open, read, if is_all { &[] } else { left })

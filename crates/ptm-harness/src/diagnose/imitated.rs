@@ -6,11 +6,12 @@ use super::search::{MistakeId, Search};
 use super::witness::{inferred_dialect, reading_in_dialect};
 use crate::session::run::Run;
 use ptm_suite::choices::CHOICES;
+use ptm_suite::clauses;
 use ptm_suite::dialect::{Axis, Dialect};
 use ptm_suite::protocol::frame::Answer;
 
 /// Returns the rulings of open questions whose readings the passing images do not show. Either a mistake in `set` violates the
-/// ruling, or the mistakes and the reference's reading give the same images.
+/// ruling or edits a formula about it, or the mistakes and the reference's reading give the same images.
 pub(super) fn imitated_readings(
     search: &Search,
     run: &Run,
@@ -18,7 +19,19 @@ pub(super) fn imitated_readings(
 ) -> Vec<&'static str> {
     let mistakes = search.mistakes_in(&[&search.assumed[..], set].concat());
     let violated = mistakes.iter().filter_map(|one| one.misreading.violates);
-    let axes = (0..CHOICES.len()).filter(|&axis| is_imitated(search, run, &mistakes, axis));
+    let formulas = mistakes.iter().flat_map(|one| one.misreading.formulas());
+    let clauses: Vec<&str> = formulas.map(|formula| formula.stated().clause).collect();
+    let rulings = clauses::rulings().unwrap_or_default();
+    let is_edited = |axis: Axis| {
+        let ruling = rulings.iter().find(|one| one.id == CHOICES[axis].ruling);
+        ruling.is_some_and(|one| {
+            one.clauses
+                .iter()
+                .any(|clause| clauses.contains(&&**clause))
+        })
+    };
+    let axes = (0..CHOICES.len())
+        .filter(|&axis| is_edited(axis) || is_imitated(search, run, &mistakes, axis));
     let imitated = axes.map(|axis| CHOICES[axis].ruling);
     violated.chain(imitated).collect()
 }

@@ -51,7 +51,8 @@ impl Mistake {
     }
 }
 
-const COLORS: [&str; 3] = ["red", "green", "blue"];
+/// Names of the colors.
+pub(super) const COLORS: [&str; 3] = ["red", "green", "blue"];
 
 /// A subset of the channels of an image, independent of the number of channels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

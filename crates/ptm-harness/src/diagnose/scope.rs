@@ -166,7 +166,11 @@ impl SharedScope {
         let (inside, others): (Vec<usize>, Vec<usize>) =
             of_formats.partition(|&w| self.scope.contains(&witnesses[w]));
         let is_whole = inside.iter().all(|w| self.cases.contains(w));
-        if !is_whole || has_unjudged_files(witnesses, &[&inside[..], &others[..]].concat()) {
+        let all = [&inside[..], &others[..]].concat();
+        if !is_whole
+            || has_unjudged_files(witnesses, &all)
+            || has_inconsistent_files(witnesses, &all)
+        {
             return String::new();
         }
         let others = others.iter().map(|&w| &witnesses[w]);
@@ -271,7 +275,8 @@ pub(super) fn common_property(witnesses: &[Witness], cases: &[usize]) -> Option<
     (is_rare && is_telling && is_significant && cases.len() >= MIN_SHARING_FILES).then_some(text)
 }
 
-/// Returns true if some legal files of the same formats are not witnesses, for example because they are unsupported.
+/// Returns true if some legal files of the same formats were asked, but are neither witnesses nor inconsistent, for example because
+/// they are unsupported.
 pub(super) fn has_unjudged_files(witnesses: &[Witness], indices: &[usize]) -> bool {
     let is_legal_of = |format: Format, witness: &&Witness| {
         witness.case.format() == format && witness.case.expect == Expect::Decode
@@ -281,8 +286,13 @@ pub(super) fn has_unjudged_files(witnesses: &[Witness], indices: &[usize]) -> bo
         let legal = witnesses
             .iter()
             .filter(|witness| is_legal_of(format, witness));
-        legal.count() < witnesses[w].legal_files
+        legal.count() + witnesses[w].inconsistent_files < witnesses[w].legal_files
     })
+}
+
+/// Returns true if some legal files of the same formats failed, but are not witnesses, because the responses were inconsistent.
+pub(super) fn has_inconsistent_files(witnesses: &[Witness], indices: &[usize]) -> bool {
+    indices.iter().any(|&w| witnesses[w].inconsistent_files > 0)
 }
 
 /// Returns the formats of the files in `group` that no file in `others` has.

@@ -335,12 +335,13 @@ impl<'a> Search<'a> {
         formats
     }
 
+    /// Returns the answer of a decoder with one more mistake, which need not be a candidate. If several answers are possible, returns
+    /// the one that agrees best with the response.
     pub fn answer_with(&self, w: usize, set: &[MistakeId], mistake: &Mistake) -> Cow<'_, Answer> {
         let mut mistakes = self.mistakes_in(&self.visible_mistakes(w, set));
         mistakes.push(mistake);
         self.count_work(w, 1);
-        let mut answers = self.answers(w, &mistakes);
-        answers.swap_remove(0)
+        self.best_of(w, self.answers(w, &mistakes))
     }
 
     fn count_work(&self, w: usize, answers: usize) {
@@ -351,11 +352,17 @@ impl<'a> Search<'a> {
     /// Returns the answer of a decoder with the mistakes in `set` and the assumed ones. If several answers are
     /// possible, returns the one that agrees best with the response.
     pub fn best_answer(&self, w: usize, set: &[MistakeId]) -> Cow<'_, Answer> {
-        let mut answers = self.answers_of_variants(w, &self.visible_mistakes(w, set));
+        let answers = self.answers_of_variants(w, &self.visible_mistakes(w, set));
+        self.best_of(w, answers)
+    }
+
+    /// Returns the answer that agrees best with the response.
+    fn best_of<'b>(&self, w: usize, mut answers: Vec<Cow<'b, Answer>>) -> Cow<'b, Answer> {
         // `max_by_key` returns the last maximum, but the first answer is the one in the decoder's dialect.
-        let best = (0..answers.len())
-            .rev()
-            .max_by_key(|&i| self.compare(w, &answers[i]).rank());
+        let all = (0..answers.len()).rev();
+        let best = (answers.len() > 1)
+            .then(|| all.max_by_key(|&i| self.compare(w, &answers[i]).rank()))
+            .flatten();
         answers.swap_remove(best.unwrap_or(0))
     }
 
@@ -422,21 +429,16 @@ impl<'a> Search<'a> {
         {
             answer = Cow::Owned(image);
         }
+        let beyond_texel = witness.answer_beyond_texel(mistakes, &answer);
         let mut answers = match witness.matching_colors(mistakes, &answer) {
             Some(matching) => vec![Cow::Owned(matching)],
             None => vec![answer],
         };
+        answers.extend(beyond_texel.map(Cow::Owned));
         if mistakes.is_empty() {
             return answers;
         }
-        let unrestricted = mistakes.iter().map(|one| one.unrestricted_misreading());
-        if let Some(misreadings) = unrestricted.collect::<Option<Vec<_>>>() {
-            answers.extend(
-                witness
-                    .answer_in_other_reading(&misreadings)
-                    .map(Cow::Owned),
-            );
-        }
+        answers.extend(witness.answer_in_other_reading(mistakes).map(Cow::Owned));
         answers
     }
 

@@ -39,6 +39,8 @@ pub(super) struct Witness<'a> {
     pub legal_files: usize,
     /// Number of these files whose cases are inconclusive.
     pub inconclusive_files: usize,
+    /// Number of these files that failed with inconsistent responses or broken promises, and have no witness.
+    pub inconsistent_files: usize,
     /// The dialect in which the decoder was judged. Mistakes are applied to it.
     pub reading: Reading,
     /// The reference's reading, if the case depends on an open question that the dialect answers differently. A mistake may look
@@ -104,30 +106,37 @@ impl Agreement {
 pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, threads: usize) -> Vec<Witness<'a>> {
     let reading = dialect_reading(run);
     let reference = reading_in_dialect(run, &CHOICES.reference());
-    let mut legal_files: HashMap<_, [usize; 2]> = HashMap::new();
-    for (case, judged) in suite.cases.iter().zip(&run.judgment.cases) {
-        let Some(judged) = judged.as_ref().filter(|_| case.expect == Expect::Decode) else {
+    // Inconsistent responses and broken promises are no evidence for a misreading.
+    let consistent_observation = |case_index: usize| {
+        let case = &suite.cases[case_index];
+        let observation = run.observations[case_index].as_ref();
+        observation
+            .filter(|observation| observation.nondeterminism.is_none())
+            .filter(|observation| !breaks_promise(run, case, observation))
+    };
+    let mut legal_files: HashMap<_, [usize; 3]> = HashMap::new();
+    for (case_index, case) in suite.cases.iter().enumerate() {
+        let judged = run.judgment.cases[case_index].as_ref();
+        let Some(judged) = judged.filter(|_| case.expect == Expect::Decode) else {
             continue;
         };
-        let [all, inconclusive] = legal_files.entry(case.format()).or_default();
+        let [all, inconclusive, inconsistent] = legal_files.entry(case.format()).or_default();
         *all += 1;
         *inconclusive += usize::from(judged.outcome == Outcome::Inconclusive);
+        let is_consistent = || consistent_observation(case_index).is_some();
+        *inconsistent += usize::from(judged.outcome == Outcome::Fail && !is_consistent());
     }
     let witness = |case_index: usize| {
         let case = &suite.cases[case_index];
         let outcome = run.judgment.cases[case_index].as_ref()?.outcome;
-        // Inconsistent responses and broken promises are no evidence for a misreading.
-        let observation = run.observations[case_index]
-            .as_ref()
-            .filter(|observation| observation.nondeterminism.is_none())
-            .filter(|observation| !breaks_promise(run, case, observation))?;
+        let observation = consistent_observation(case_index)?;
         // Inconclusive and unsupported cases are no evidence either.
         if !matches!(outcome, Outcome::Pass | Outcome::Fail) {
             return None;
         }
         let built = case.build(run.table);
         let counts = legal_files.get(&case.format()).copied();
-        let [legal_files, inconclusive_files] = counts.unwrap_or_default();
+        let [legal_files, inconclusive_files, inconsistent_files] = counts.unwrap_or_default();
         let expected = ptm_mistakes::answer(&[], reading, &built.file, &observation.view);
         let depends = depends_on_dialect(case, &built, observation, run);
         let other_reading = depends.then_some(reference);
@@ -141,6 +150,7 @@ pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, threads: usize) -> V
             failed: outcome == Outcome::Fail,
             legal_files,
             inconclusive_files,
+            inconsistent_files,
             reading,
             other_reading,
             expected,
@@ -204,18 +214,16 @@ impl Witness<'_> {
         ptm_mistakes::answer(mistakes, self.reading, file, &self.observation.view)
     }
 
-    /// Returns the answer of a decoder with these misreadings that otherwise follows the reference's reading, if it may differ.
-    pub fn answer_in_other_reading(&self, mistakes: &[&Misreading]) -> Option<Answer> {
-        let (file, view) = (&self.built.file, &self.observation.view);
+    /// Returns the answer of a decoder with these mistakes that otherwise follows the reference's reading, if it may differ.
+    pub fn answer_in_other_reading(&self, mistakes: &[&Mistake]) -> Option<Answer> {
         let reading = self.other_reading?;
-        Some(ptm_mistakes::answer(mistakes, reading, file, view))
+        Some(self.answer_in(reading, &self.built.file, mistakes))
     }
 
-    /// Returns false if the misreading changes nothing in the reference's reading, so that it only undoes an answer to an open
-    /// question.
-    pub fn is_mistake_in_other_reading(&self, misreading: &Misreading) -> bool {
+    /// Returns false if the mistake changes nothing in the reference's reading, so that it only undoes an answer to an open question.
+    pub fn is_mistake_in_other_reading(&self, mistake: &Mistake) -> bool {
         self.other_reading.is_none()
-            || self.answer_in_other_reading(&[misreading]) != self.answer_in_other_reading(&[])
+            || self.answer_in_other_reading(&[mistake]) != self.answer_in_other_reading(&[])
     }
 
     /// Returns the fields of the file, up to the first error.

@@ -39,12 +39,14 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
 ];
 
 /// Edits that no operator generates: the name of the formula, and the expression.
-const FURTHER_EDITS: [(Formula, &str); 63] = [
+const FURTHER_EDITS: [(Formula, &str); 65] = [
     // The limits of a color are exchanged.
     (
         Formula::Rendering,
         "select(at_most(value, 0), 255, min(value, 255))",
     ),
+    // A limited color is rounded down after one half is subtracted.
+    (Formula::Rendering, "max(min(value, 255) - 1, 0)"),
     // A byte is signed.
     (Formula::ByteNumber, "mod(raw + 128, 256) - 128"),
     (Formula::ByteNumber, "mod(raw, 128)"),
@@ -57,6 +59,11 @@ const FURTHER_EDITS: [(Formula, &str); 63] = [
     (
         Formula::FinalCoefficient,
         "select(at_most(i, 0), (raw - bias[i]) * scale[i], 0)",
+    ),
+    // The loop over the coefficients of a polynomial is one too long.
+    (
+        Formula::FinalColor,
+        "select(at_most(i, 0), (raw - bias[i]) * scale[i], raw)",
     ),
     // A loop over the texels is too short, or ends after one iteration.
     (Formula::StoredValue, "select(at_most(abs(t), 0), 0, raw)"),
@@ -229,8 +236,10 @@ pub fn all(formula: Formula) -> &'static [Edit] {
 }
 
 /// Formulas for both axes. A decoder often computes both with the same code.
-const AXES: [[Formula; 2]; 2] = [
+const AXES: [[Formula; 2]; 4] = [
     [Formula::DisplacedX, Formula::DisplacedY],
+    [Formula::FirstColumn, Formula::FirstRow],
+    [Formula::SecondColumn, Formula::SecondRow],
     [Formula::EdgeX, Formula::EdgeY],
 ];
 
@@ -962,6 +971,8 @@ mod tests {
             .collect();
         for expected in [
             ["x - mx / 2", "y - my / 2"],
+            ["x + floor(mx / 3)", "y + floor(my / 3)"],
+            ["x - floor((mx + 1) / 2)", "y - floor((my + 1) / 2)"],
             ["min(max(x, 0), width - 2)", "min(max(y, 0), height - 2)"],
         ] {
             assert!(texts.iter().any(|pair| pair == &expected), "{expected:?}");

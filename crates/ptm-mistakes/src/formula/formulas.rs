@@ -59,6 +59,10 @@ pub enum Formula {
     Inversion,
     DisplacedX,
     DisplacedY,
+    FirstColumn,
+    SecondColumn,
+    FirstRow,
+    SecondRow,
     MeanOfTwo,
     MeanOfFour,
     EdgeX,
@@ -89,7 +93,7 @@ pub enum Stage {
 
 impl Formula {
     /// All formulas with their names, in order from the image back to the bytes.
-    pub const ALL: [(Formula, &'static str); 56] = [
+    pub const ALL: [(Formula, &'static str); 60] = [
         (Formula::LightU, "light u"),
         (Formula::LightV, "light v"),
         (Formula::Polynomial, "polynomial"),
@@ -135,6 +139,10 @@ impl Formula {
         (Formula::Inversion, "inverted value"),
         (Formula::DisplacedX, "displaced x"),
         (Formula::DisplacedY, "displaced y"),
+        (Formula::FirstColumn, "first column of a mean"),
+        (Formula::SecondColumn, "second column of a mean"),
+        (Formula::FirstRow, "first row of a mean"),
+        (Formula::SecondRow, "second row of a mean"),
         (Formula::MeanOfTwo, "mean of two"),
         (Formula::MeanOfFour, "mean of four"),
         (Formula::EdgeX, "column at the edge"),
@@ -210,7 +218,7 @@ impl Formula {
     pub(crate) fn may_refuse(self) -> bool {
         let addresses = [
             Formula::StoredTexel..=Formula::Reference,
-            Formula::DisplacedX..=Formula::DisplacedY,
+            Formula::DisplacedX..=Formula::SecondRow,
             Formula::EdgeX..=Formula::EdgeY,
             Formula::RecordCount..=Formula::RecordPlace,
         ];

@@ -16,5 +16,5 @@ pub use edit::{Edit, EditedForm};
 pub use expression::{Expression, Function, Scope, parse};
 pub use formulas::{Formula, Stage, StatedFormula};
 pub use stages::{Edits, Outside};
-pub use stages::{decode, final_values, floats, image, stored_values};
+pub use stages::{colors_inside_texel, decode, final_values, floats, image, stored_values};
 pub use views::{render, values};

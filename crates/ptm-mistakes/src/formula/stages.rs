@@ -678,6 +678,21 @@ impl CompressedPlanes<'_> {
         for i in 0..plane.len() {
             let (x, y) = ((i as f64) % width, (i as f64 / width).floor());
             let variables = [x, y, mx, my, width, height];
+            if self
+                .edits
+                .edits_any(Formula::FirstColumn..=Formula::SecondRow)
+            {
+                let [left, right, first, second] = [
+                    Formula::FirstColumn,
+                    Formula::SecondColumn,
+                    Formula::FirstRow,
+                    Formula::SecondRow,
+                ]
+                .map(|formula| self.edits.value(formula, &variables, &[]).floor());
+                let corners = self.corners(plane, [left, right], [first, second])?;
+                displaced.push((self.reading.motion_half)(corners));
+                continue;
+            }
             let position = |formula| (2.0 * self.edits.value(formula, &variables, &[])).floor();
             let (x2, y2) = (position(Formula::DisplacedX), position(Formula::DisplacedY));
             displaced.push(self.interpolate(plane, x2, y2)?);
@@ -689,13 +704,7 @@ impl CompressedPlanes<'_> {
     fn interpolate(&self, plane: &[u8], x2: f64, y2: f64) -> Result<u8> {
         let (left, first) = ((x2 / 2.0).floor(), (y2 / 2.0).floor());
         let (right, second) = ((x2 / 2.0).ceil(), (y2 / 2.0).ceil());
-        let sample = |x, y| self.sample_at(plane, x, y);
-        let corners = [
-            sample(left, first)?,
-            sample(right, first)?,
-            sample(left, second)?,
-            sample(right, second)?,
-        ];
+        let corners = self.corners(plane, [left, right], [first, second])?;
         let [a, b, c, d] = corners.map(f64::from);
         let formula = match (left < right, first < second) {
             (true, true) => Formula::MeanOfFour,
@@ -710,6 +719,18 @@ impl CompressedPlanes<'_> {
             _ => &[a, if left < right { b } else { c }],
         };
         Ok(to_byte(self.edits.value(formula, values, &[])))
+    }
+
+    /// Returns the samples in two columns of two rows, the first row first.
+    fn corners(&self, plane: &[u8], [left, right]: [f64; 2], rows: [f64; 2]) -> Result<[u8; 4]> {
+        let sample = |x, y| self.sample_at(plane, x, y);
+        let [first, second] = rows;
+        Ok([
+            sample(left, first)?,
+            sample(right, first)?,
+            sample(left, second)?,
+            sample(right, second)?,
+        ])
     }
 
     /// Returns the sample at a position that may be outside the plane.
@@ -843,6 +864,24 @@ fn write_at<T>(data: &mut [T], position: f64, value: T) {
     if position >= 0.0 && position.fract() == 0.0 && position < data.len() as f64 {
         data[position as usize] = value;
     }
+}
+
+/// Returns, for red, green and blue, whether all channels that an edited formula uses are in the texel.
+#[must_use]
+pub fn colors_inside_texel<M>(shape: &Shape<M>, edits: Edits) -> [bool; 3] {
+    let channels = shape.channels() as f64;
+    let is_inside = |formula: Formula, variables: &[f64]| {
+        !edits.is_edited(formula) || (0.0..channels).contains(&edits.value(formula, variables, &[]))
+    };
+    let is_intensity_inside = |c: f64| {
+        let mut coefficients = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0].into_iter();
+        coefficients.all(|i| is_inside(Formula::IntensityChannel, &[i, c]))
+    };
+    [0.0, 1.0, 2.0].map(|k| match shape {
+        Shape::Rgb => is_intensity_inside(k),
+        Shape::Lrgb => is_intensity_inside(0.0) && is_inside(Formula::ColorChannel, &[k]),
+        Shape::Lum(_) => is_intensity_inside(0.0),
+    })
 }
 
 /// Computes the image under a light with edited formulas (1.0, 2.6, 2.7.3).

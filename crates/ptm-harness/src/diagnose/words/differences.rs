@@ -9,7 +9,7 @@ use super::files_of_group;
 use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::groups::Group;
 use crate::diagnose::image_pair::{ImagePair, image_pair};
-use crate::diagnose::mistake::ChannelSubset;
+use crate::diagnose::mistake::{COLORS, ChannelSubset};
 use crate::diagnose::place::{Step, wrong_channels};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SHARING_FILES, MIN_SUPPORT, is_nearly_all};
@@ -443,7 +443,17 @@ fn channel_text(search: &Search, cases: &[usize], wrong: &[bool]) -> String {
     match names.len() {
         0 => String::new(),
         1..=MAX_LISTED if names.len() < wrong.len() => format!(", only in {}", names.join(", ")),
-        _ => ChannelSubset::smallest_containing(wrong).describe(),
+        _ => match ChannelSubset::smallest_containing(wrong) {
+            ChannelSubset::All if wrong.len() == 18 => {
+                let has_wrong = |c: &usize| wrong[6 * c..6 * (c + 1)].contains(&true);
+                let colors: Vec<&str> = (0..3).filter(has_wrong).map(|c| COLORS[c]).collect();
+                match colors.len() {
+                    3 => String::new(),
+                    _ => format!(", only in {}", colors.join(", ")),
+                }
+            }
+            subset => subset.describe(),
+        },
     }
 }
 

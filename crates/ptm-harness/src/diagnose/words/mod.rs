@@ -12,7 +12,10 @@ pub(super) mod violation;
 pub use arithmetic::format_steps as arithmetic_steps;
 
 use super::groups::Group;
-use super::scope::{SharedScope, common_property, has_unjudged_files, list_formats, own_formats};
+use super::scope::{
+    SharedScope, common_property, has_inconsistent_files, has_unjudged_files, list_formats,
+    own_formats,
+};
 use super::witness::Witness;
 use ptm::Format;
 use ptm_suite::cases::Expect;
@@ -30,10 +33,14 @@ fn files_of_group(witnesses: &[Witness], group: &Group) -> String {
 }
 
 /// Describes the files in a scope: "every legal file with predicted planes", or "12 of 14 legal files with predicted planes" if other
-/// files in the scope fail in another way. Says "judged legal" if some legal files of these formats were not judged.
+/// files in the scope fail in another way. Says "judged legal" if some legal files of these formats were not judged, and "legal files
+/// with consistent responses" if some failed with inconsistent ones.
 fn files_in_scope(witnesses: &[Witness], shared: &SharedScope) -> String {
     let (count, others) = shared.count_legal(witnesses);
-    let scope = shared.describe(witnesses);
+    let scope = match has_inconsistent_files(witnesses, &shared.cases) {
+        true => format!("with consistent responses {}", shared.describe(witnesses)),
+        false => shared.describe(witnesses),
+    };
     let judged = match has_unjudged_files(witnesses, &shared.cases) {
         true => "judged legal",
         false => "legal",

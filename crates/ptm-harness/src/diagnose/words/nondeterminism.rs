@@ -1,7 +1,7 @@
 //! Describes requests with inconsistent responses. Such responses indicate shared or uninitialized state, not a misreading.
 
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
-use crate::diagnose::tuning::is_substantial;
+use crate::diagnose::tuning::{MIN_SUPPORT, is_substantial};
 use crate::session::run::Run;
 use ptm_suite::cases::Suite;
 use ptm_suite::protocol::frame::Answer;
@@ -33,11 +33,17 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Vec<Diagnosis> 
     let diagnosis = |indices: Vec<(usize, &Nondeterminism)>, effect: &str, fix: &str| {
         let &(index, diff) = indices.first()?;
         let case = &suite.cases[index];
+        let view = |index: usize| Some(run.observations[index].as_ref()?.view.name());
+        let share_view = indices.iter().all(|&(other, _)| view(other) == view(index));
+        let only = match view(index).filter(|_| share_view && indices.len() >= MIN_SUPPORT) {
+            Some(view) => format!(", all in view {view}"),
+            None => String::new(),
+        };
         Some(Diagnosis::new(
             Cause::Described {
                 category: Category::Nondeterminism,
                 clause: None,
-                effect: effect.to_owned(),
+                effect: format!("{effect}{only}"),
                 fix: fix.to_owned(),
                 example: format!("for example {}: {}", case.id, diff.message),
                 equivalents: Vec::new(),
