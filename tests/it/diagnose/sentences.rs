@@ -1397,6 +1397,34 @@ fn values_that_only_the_frame_has_wrong_are_said_to_be_written_wrong() {
     ]);
 }
 
+/// If only colors are wrong in another format, a second mistake may be the reason in this one, too.
+#[test]
+fn colors_do_not_follow_from_stored_values_if_only_colors_are_wrong_in_another_format() {
+    let suite = cases(is_uncompressed);
+    let change_each = |samples: &mut [u8], first: usize, change: fn(u8) -> u8| {
+        let changed = samples.iter_mut().skip(first).step_by(5);
+        changed.for_each(|sample| *sample = change(*sample));
+    };
+    let decoder = |request: &Request| {
+        let mut answer = reference_answer(request);
+        if let Answer::Decoded(frame) = &mut answer
+            && let Samples::U8(samples) = &mut frame.samples
+        {
+            match (frame.view, frame.channels) {
+                (ViewKind::Raw, 18) => change_each(samples, 3, |value| value ^ 0x55),
+                (ViewKind::Rgb, _) => change_each(samples, 2, |value| value / 2),
+                _ => {}
+            }
+        }
+        answer
+    };
+    let report = printed_report(&suite, decoder)
+        .says(&["shows wrong stored values"])
+        .says(&["shows wrong colors"])
+        .never_says(" in view rgb)");
+    assert_all_true([report]);
+}
+
 #[test]
 fn one_unscaled_channel_and_one_scaled_color_are_named() {
     let suite = cases(is_uncompressed);

@@ -71,10 +71,17 @@ pub(super) fn steps(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<(u
         .iter()
         .any(|&(w, step)| step == Step::StoredValue && coding(w).is_none());
     let open = search.unexplained(set);
+    let are_only_colors_wrong = |formats: &Vec<Format>| {
+        let is_member =
+            |&&(w, _): &&(usize, Step)| formats.contains(&search.witnesses[w].case.format());
+        let mut members = alone.iter().filter(is_member).peekable();
+        members.peek().is_some() && members.all(|&(w, _)| search.witnesses[w].is_rgb())
+    };
+    let is_color_wrong = families().iter().any(are_only_colors_wrong);
     let mut steps = Vec::new();
     for formats in families() {
         let family = Family::new(search, set, &formats, &alone, &open, is_plain_wrong);
-        steps.extend(family.steps());
+        steps.extend(family.steps(is_color_wrong));
     }
     steps
 }
@@ -173,8 +180,9 @@ impl<'a> Family<'a> {
         }
     }
 
-    /// Returns the step of each image. Images in later views follow those in earlier views.
-    fn steps(&self) -> Vec<(usize, Step)> {
+    /// Returns the step of each image. Images in later views follow those in earlier views, but colors do not if `is_color_wrong`: in
+    /// another family, only colors are wrong, so these may be wrong for the same reason.
+    fn steps(&self, is_color_wrong: bool) -> Vec<(usize, Step)> {
         let mut steps: Vec<(usize, Step)> = Vec::new();
         let mut known: [BTreeSet<Step>; 3] = Default::default();
         for (index, view) in ViewKind::ALL.into_iter().enumerate() {
@@ -185,6 +193,7 @@ impl<'a> Family<'a> {
                 }
                 let mut step = self.step_in_view(w, alone);
                 if step >= Step::FinalValue
+                    && !(is_color_wrong && witness.is_rgb())
                     && let Some(earlier) = self.explaining_view(index)
                 {
                     let mut before = known[earlier].iter().rev();
@@ -317,7 +326,7 @@ fn has_wrong_stored_values(pair: &ImagePair, witness: &Witness) -> bool {
 }
 
 /// Returns true if an image has the correct values in the wrong order.
-fn is_rearranged(pair: &ImagePair) -> bool {
+pub(super) fn is_rearranged(pair: &ImagePair) -> bool {
     let sorted = |values: &[f64]| {
         let mut bits: Vec<u64> = values.iter().map(|value| value.to_bits()).collect();
         bits.sort_unstable();

@@ -4,7 +4,7 @@
 use super::witness::{Facts, Property, Quantity, Witness};
 use ptm::{Coding, Field, Format};
 use ptm_generate::spelling::{Count, Line, Lists};
-use ptm_generate::{Recipe, plan::Compression, planes::StoredPlane};
+use ptm_generate::{MOTION, Recipe, plan::Compression, planes::StoredPlane};
 use ptm_suite::protocol::frame::{Answer, View};
 
 impl Witness<'_> {
@@ -82,15 +82,19 @@ impl<'a> File<'a> {
         }
     }
 
-    /// Returns the motion vectors of the predicted planes.
+    /// Returns the motion vectors by which references are displaced.
     fn vectors(&self) -> Vec<(i32, i32)> {
-        let Some(plan) = self.plan.filter(|plan| plan.displaces()) else {
+        let Some(plan) = self.plan else {
             return Vec::new();
         };
         let get = |list: &[i32], plane: usize| list.get(plane).copied().unwrap_or_default();
-        let predicted = (0..plan.order.len()).filter(|&plane| plan.reference(plane).is_some());
+        let is_displaced = |&plane: &usize| {
+            let transform = plan.transforms.get(plane).copied().unwrap_or_default();
+            plan.reference(plane).is_some() && transform & MOTION != 0
+        };
+        let displaced = (0..plan.order.len()).filter(is_displaced);
         let vector = |plane| (get(&plan.motion_x, plane), get(&plan.motion_y, plane));
-        predicted.map(vector).collect()
+        displaced.map(vector).collect()
     }
 }
 
@@ -277,8 +281,11 @@ fn prediction_properties(f: &File) -> [Property; 14] {
         ("2.9.2/3 with inverted references", inverts),
         ("2.9.2/4 with displaced references", displaces),
         ("2.9.2/1 with a transform of 3", is_both),
-        ("2.9.3/5 with half-texel motion vectors", is_half),
-        ("2.9.3/2 with negative motion vectors", is_negative),
+        ("2.9.3/5 with references displaced by half texels", is_half),
+        (
+            "2.9.3/2 with references displaced by a negative vector",
+            is_negative,
+        ),
         ("2.9.4/1 with an order other than 0, 1, 2, …", is_reordered),
         ("2.9.4/2 with prediction from a later plane", is_later),
         ("2.9.4/2 with prediction from a predicted plane", is_chained),
@@ -370,7 +377,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
         ("2.9.4/3", "whose largest rank is {}", rank),
         (
             "2.9.3/1",
-            "with motion vectors of {} half texels",
+            "with references displaced by {} half texels",
             motion.map(f64::from),
         ),
         (

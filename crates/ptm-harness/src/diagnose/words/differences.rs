@@ -10,7 +10,7 @@ use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::groups::Group;
 use crate::diagnose::image_pair::{ImagePair, image_pair};
 use crate::diagnose::mistake::{COLORS, ChannelSubset};
-use crate::diagnose::place::{Step, wrong_channels};
+use crate::diagnose::place::{Step, is_rearranged, wrong_channels};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SHARING_FILES, MIN_SUPPORT, is_nearly_all};
 use crate::diagnose::witness::Witness;
@@ -105,6 +105,10 @@ pub(in crate::diagnose) fn describe(
             "compare the code that computes and writes the values of view coef with the code that computes colors; docs/protocol.md describes the bytes",
         ],
         Step::Stream => [wrong_planes(search, cases), effect_and_fix(step)[1]],
+        Step::Rearranged if !are_rearranged(search, set, cases) => [
+            "shows the correct values in the wrong places, in planes that are neither predicted nor corrected",
+            effect_and_fix(step)[1],
+        ],
         _ => effect_and_fix(step),
     };
     let [_, swap_fix] = effect_and_fix(Step::Rearranged);
@@ -141,6 +145,16 @@ pub(in crate::diagnose) fn describe(
     };
     let clause = group.clause().or(step_clause(step));
     Diagnosis::from_description(Category::Difference, witnesses, cases, text, clause)
+}
+
+/// Returns true if each of these images in the first of their views has the correct samples in another order. Predicted planes have
+/// other samples if their reference is moved.
+fn are_rearranged(search: &Search, set: &[MistakeId], cases: &[usize]) -> bool {
+    let pairs = cases.iter().filter_map(|&w| image_pair(search, set, w));
+    let pairs: Vec<ImagePair> = pairs.collect();
+    let first = pairs.iter().map(|pair| pair.view).min();
+    let mut of_view = pairs.iter().filter(|pair| Some(pair.view) == first);
+    of_view.all(is_rearranged)
 }
 
 /// The axes of an array of samples.
