@@ -160,7 +160,7 @@ impl Witness<'_> {
 
     /// Returns the image of a decoder that, for some colors, takes values of a channel outside the texel. They may be anything, so
     /// these colors are those of the response. `made` is the image of a decoder that takes those of another texel. Returns `None` if
-    /// no edited channel, or the channel for all colors, is outside the texel, or if less than a third of the wrong samples are inside.
+    /// no edited channel is outside the texel, or if less than a third of the wrong samples are of other colors.
     pub fn answer_beyond_texel(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
         let (whole, partial) = self.in_scope(mistakes);
         let (View::Rgb(_), true, Answer::Decoded(image)) =
@@ -204,10 +204,8 @@ impl Witness<'_> {
         let value = |i: usize| if is_inside(i) { values[i] } else { received[i] };
         let all: Vec<f64> = (0..right.len()).map(value).collect();
         let samples = self.observation.view.kind().samples(&all);
-        Some(Answer::Decoded(Frame {
-            samples,
-            ..image.clone()
-        }))
+        let shape = [image.width, image.height, image.channels];
+        Some(Answer::Decoded(Frame::exact(image.view, shape, samples)))
     }
 
     pub fn misreadings_in_scope(&self, mistakes: &[&Mistake]) -> Vec<&'static Misreading> {

@@ -163,7 +163,7 @@ fn restrict(
             && search.witnesses[*w].is_mistake_in_other_reading(mistake)
     };
     let mut explained: Vec<usize> = images.iter().copied().filter(fits).collect();
-    // Contradictions are sought only for a mistake with enough support.
+    // The rule below requires as many, and contradictions take long to find.
     if explained.len() < MIN_SUPPORT {
         return None;
     }

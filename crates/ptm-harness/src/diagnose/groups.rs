@@ -57,12 +57,9 @@ pub(super) fn group_stops(search: &Search, left: &mut Vec<usize>) -> Vec<Group> 
     let mut rest: Vec<(String, Vec<usize>)> = Vec::new();
     for (message, mut open) in by_message {
         for read in [&all, &known] {
-            if search.is_arbitrary {
-                break;
-            }
             let is_all = read.len() == all.len();
             while let Some(mut shared) =
-                stop_scope(witnesses, &open, read, if is_all { &[] } else { left })
+                stop_scope(search, &open, read, if is_all { &[] } else { left })
             {
                 // That all images of a format are also wrong connects them with nothing.
                 let is_format = matches!(shared.scope, FileScope::Formats(_));
@@ -115,11 +112,15 @@ fn join_unknown_messages(witnesses: &[Witness], by_message: &mut BTreeMap<String
 /// Returns what a substantial part of the files without an image share and no file in `read` has. Most of them must share a view,
 /// because few decoders open a file only for some views. `images` are wrong images with an unknown cause.
 fn stop_scope(
-    witnesses: &[Witness],
+    search: &Search,
     open: &[usize],
     read: &[usize],
     images: &[usize],
 ) -> Option<SharedScope> {
+    let witnesses = search.witnesses;
+    if search.is_arbitrary {
+        return None;
+    }
     let sets = format_sets(witnesses, open);
     sets.iter().find_map(|formats| {
         let scope = |with_view| shared_scope(witnesses, formats, open, read, images, with_view);

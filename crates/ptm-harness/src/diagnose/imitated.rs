@@ -6,7 +6,7 @@ use super::search::{MistakeId, Search};
 use super::witness::{inferred_dialect, reading_in_dialect};
 use crate::session::run::Run;
 use ptm_suite::choices::CHOICES;
-use ptm_suite::clauses;
+use ptm_suite::clauses::rulings;
 use ptm_suite::dialect::{Axis, Dialect};
 use ptm_suite::protocol::frame::Answer;
 
@@ -21,13 +21,13 @@ pub(super) fn imitated_readings(
     let violated = mistakes.iter().filter_map(|one| one.misreading.violates);
     let formulas = mistakes.iter().flat_map(|one| one.misreading.formulas());
     let clauses: Vec<&str> = formulas.map(|formula| formula.stated().clause).collect();
-    let rulings = clauses::rulings().unwrap_or_default();
+    let rulings = rulings().unwrap_or_else(|error| unreachable!("invalid rulings: {error}"));
     let is_edited = |axis: Axis| {
-        let ruling = rulings.iter().find(|one| one.id == CHOICES[axis].ruling);
-        ruling.is_some_and(|one| {
+        let mut of_axis = rulings.iter().filter(|one| one.id == CHOICES[axis].ruling);
+        of_axis.any(|one| {
             one.clauses
                 .iter()
-                .any(|clause| clauses.contains(&&**clause))
+                .any(|clause| clauses.contains(&clause.as_str()))
         })
     };
     let axes = (0..CHOICES.len())

@@ -6,6 +6,7 @@
 use std::collections::BTreeSet;
 
 use super::image_pair::{ImagePair, image_pair};
+use super::scope::files_of;
 use super::search::{MistakeId, MistakeSet, Search};
 use super::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_most, is_substantial};
 use super::witness::Witness;
@@ -71,15 +72,13 @@ pub(super) fn steps(search: &Search, set: &MistakeSet, left: &[usize]) -> Vec<(u
         .iter()
         .any(|&(w, step)| step == Step::StoredValue && coding(w).is_none());
     let open = search.unexplained(set);
-    let are_only_colors_wrong = |formats: &Vec<Format>| {
-        let is_member =
-            |&&(w, _): &&(usize, Step)| formats.contains(&search.witnesses[w].case.format());
-        let mut members = alone.iter().filter(is_member).peekable();
-        members.peek().is_some() && members.all(|&(w, _)| search.witnesses[w].is_rgb())
-    };
-    let is_color_wrong = families().iter().any(are_only_colors_wrong);
+    let families = families();
+    let is_color_wrong = families.iter().any(|formats| {
+        let members = files_of(search.witnesses, left, formats);
+        !members.is_empty() && members.iter().all(|&w| search.witnesses[w].is_rgb())
+    });
     let mut steps = Vec::new();
-    for formats in families() {
+    for formats in families {
         let family = Family::new(search, set, &formats, &alone, &open, is_plain_wrong);
         steps.extend(family.steps(is_color_wrong));
     }

@@ -358,11 +358,13 @@ impl<'a> Search<'a> {
 
     /// Returns the answer that agrees best with the response.
     fn best_of<'b>(&self, w: usize, mut answers: Vec<Cow<'b, Answer>>) -> Cow<'b, Answer> {
+        if answers.len() == 1 {
+            return answers.swap_remove(0);
+        }
         // `max_by_key` returns the last maximum, but the first answer is the one in the decoder's dialect.
-        let all = (0..answers.len()).rev();
-        let best = (answers.len() > 1)
-            .then(|| all.max_by_key(|&i| self.compare(w, &answers[i]).rank()))
-            .flatten();
+        let best = (0..answers.len())
+            .rev()
+            .max_by_key(|&i| self.compare(w, &answers[i]).rank());
         answers.swap_remove(best.unwrap_or(0))
     }
 

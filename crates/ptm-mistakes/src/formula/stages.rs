@@ -722,9 +722,9 @@ impl CompressedPlanes<'_> {
     }
 
     /// Returns the samples in two columns of two rows, the first row first.
-    fn corners(&self, plane: &[u8], [left, right]: [f64; 2], rows: [f64; 2]) -> Result<[u8; 4]> {
+    fn corners(&self, plane: &[u8], columns: [f64; 2], rows: [f64; 2]) -> Result<[u8; 4]> {
         let sample = |x, y| self.sample_at(plane, x, y);
-        let [first, second] = rows;
+        let ([left, right], [first, second]) = (columns, rows);
         Ok([
             sample(left, first)?,
             sample(right, first)?,

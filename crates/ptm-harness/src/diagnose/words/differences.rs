@@ -105,10 +105,16 @@ pub(in crate::diagnose) fn describe(
             "compare the code that computes and writes the values of view coef with the code that computes colors; docs/protocol.md describes the bytes",
         ],
         Step::Stream => [wrong_planes(search, cases), effect_and_fix(step)[1]],
-        Step::Rearranged if !are_rearranged(search, set, cases) => [
-            "shows the correct values in the wrong places, in planes that are neither predicted nor corrected",
-            effect_and_fix(step)[1],
-        ],
+        Step::Rearranged if !are_rearranged(search, set, cases) => {
+            let is_coded = |&w: &usize| witnesses[w].case.format().coding().is_some();
+            match cases.iter().all(is_coded) {
+                true => [
+                    "shows the correct values in the wrong places, in planes that are neither predicted nor corrected",
+                    effect_and_fix(step)[1],
+                ],
+                false => effect_and_fix(Step::StoredValue),
+            }
+        }
         _ => effect_and_fix(step),
     };
     let [_, swap_fix] = effect_and_fix(Step::Rearranged);
