@@ -1590,3 +1590,101 @@ fn refusals_in_several_views_are_not_attributed_to_one() {
     .never_says("requested in view rgb")
     .assert_true();
 }
+
+/// The decoder refuses the files that a decoder with indices of two bytes refuses, except some that have the same value everywhere:
+/// it shows their images.
+#[test]
+fn a_misreading_that_refuses_a_file_with_an_image_is_not_offered() {
+    let suite = cases(is_uncompressed);
+    let mistake = misreading("width-always-two");
+    let is_uniform = |case: &&Case| case.id.starts_with("payload-of-");
+    let uniform = suite.cases.iter().filter(is_uniform);
+    let uniform = uniform.map(|case| case.build(TableSpelling::default()).file.to_vec());
+    let uniform: Vec<Vec<u8>> = uniform.collect();
+    assert!(!uniform.is_empty());
+    printed_report(&suite, |request| match answer_with(&[mistake], request) {
+        Answer::Rejected if !uniform.iter().any(|file| file == request.file) => Answer::Rejected,
+        _ => reference_answer(request),
+    })
+    .never_says(mistake.slug)
+    .assert_true();
+}
+
+/// Returns true if a plane of the file has side information.
+fn has_side_information(file: &[u8]) -> bool {
+    let (_, _, streams) = ptm::decode::examine_streams(file);
+    streams.is_some_and(|streams| {
+        let mut extents = streams.coded().plan.extents.iter();
+        extents.any(|extent| !extent.side.is_empty())
+    })
+}
+
+/// One of the files was written by hand.
+#[test]
+fn files_written_by_hand_share_properties_with_generated_files() {
+    let suite = cases(is_compressed);
+    printed_report(&suite, |request| match reference_answer(request) {
+        Answer::Decoded(_) if has_side_information(request.file) => Answer::Rejected,
+        answer => answer,
+    })
+    .says(&["refuses every legal file with side information"])
+    .has_causes(1)
+    .assert_true();
+}
+
+/// The decoder refuses large sides, and some numbers for another reason. For some files, the message is not known.
+#[test]
+fn a_failure_without_a_message_belongs_to_the_files_with_the_same_property() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| {
+        let refusal = |message: &str| Reply {
+            stderr: message.to_owned(),
+            ..Answer::Rejected.into()
+        };
+        let answer = reference_answer(request);
+        let (width, height) = size_in(&answer).unwrap_or_default();
+        let has_plus = request
+            .file
+            .windows(3)
+            .any(|bytes| matches!(bytes, [b' ', b'+', b'0'..=b'9']));
+        match answer {
+            Answer::Decoded(_) if has_plus => refusal("error: not a number"),
+            Answer::Decoded(_) if width.max(height) > 500 => {
+                let is_known = format_of(request) != Some(Format::Lum) || height > width;
+                refusal(if is_known { "error: too large" } else { "" })
+            }
+            answer => answer.into(),
+        }
+    })
+    .says(&["refuses every legal file whose larger side"])
+    .assert_true();
+}
+
+/// The decoder inverts stored values in legal files of RGB, and in files of other formats that need not be decoded.
+#[test]
+fn formats_of_files_that_need_not_be_decoded_are_those_of_these_files() {
+    let suite = cases(is_uncompressed);
+    let is_optional = |request: &Request| {
+        let case = suite.case(request.name);
+        case.is_some_and(|case| case.expect.is_optional())
+    };
+    printed_report(&suite, |request| {
+        let is_inverted = (format_of(request) == Some(Format::Rgb)) != is_optional(request);
+        match reference_answer(request) {
+            Answer::Decoded(mut frame) if is_inverted => {
+                if let Samples::U8(samples) = &mut frame.samples {
+                    for (i, sample) in samples.iter_mut().enumerate() {
+                        *sample ^= (i * i % 251) as u8;
+                    }
+                }
+                Answer::Decoded(frame)
+            }
+            answer => answer,
+        }
+    })
+    .says(&[
+        "legal files of RGB (and ",
+        " of LUM, LRGB, PTM_LUT, PTM_C_LUT that need not be decoded)",
+    ])
+    .assert_true();
+}

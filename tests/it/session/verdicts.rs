@@ -175,6 +175,20 @@ fn unsupported_passes_refuse_and_lenient_cases() {
     assert_eq!(run.exit_status(), 0);
 }
 
+/// Such a case is inconclusive, because a refusal of the file would prove nothing.
+#[test]
+fn the_right_image_of_a_lenient_file_is_decoded_although_its_twin_is_refused() {
+    let suite = suite();
+    let run = run(&suite, &RunPlan::new(&suite, 2), |case| {
+        (case.expect == Expect::Decode && !case.first).then_some(Answer::Rejected)
+    });
+    let inconclusive = cases(&suite, &run, Outcome::Inconclusive);
+    let is_lenient = |case: &&Case| matches!(case.expect, Expect::Lenient | Expect::Robust);
+    assert!(inconclusive.filter(is_lenient).count() > 0);
+    let report = Report::new(&suite, &run, &["decoder".to_owned()], Vec::new());
+    assert!(report.lenient.iter().all(|counts| counts.other == 0));
+}
+
 #[test]
 fn timeouts_on_optional_files_do_not_end_a_run() {
     let suite = suite();

@@ -99,6 +99,7 @@ fn is_founded(
             || acceptances::count_of_the_same_kind(search.witnesses, explained, left)
                 <= explained.len())
         && covers_its_kind()
+        && (rules::is_shown(search, set, id, explained) || rules::refuses_no_image(search, id))
         && !search.is_contradicted_anywhere(&without_id(set, id), id)
 }
 
@@ -204,7 +205,7 @@ fn diagnose_whole_formats(
             let ids = std::iter::once(&member.id).chain(&member.alternatives);
             let explains = |&&id: &&MistakeId| {
                 let agrees = |&w: &usize| search.agreement(w, &[id]).explains();
-                whole.cases.iter().all(agrees)
+                whole.cases.iter().all(agrees) && rules::refuses_no_image(search, id)
             };
             alike.extend(
                 ids.filter(explains)
@@ -230,6 +231,7 @@ fn diagnose_member(
     let Some(misreading) = mistake.unrestricted_misreading() else {
         return vec![diagnose_edit(search, set, member.id, share)];
     };
+    let is_shown = rules::is_shown(search, set, member.id, explained);
     // Only misreadings of the catalog are reported.
     let listed = |&id: &MistakeId| Some((id, search.mistakes[id].unrestricted_misreading()?));
     let alike = member
@@ -238,11 +240,12 @@ fn diagnose_member(
         .filter_map(listed)
         .filter(|&(other, _)| rules::looks_the_same(search, set, [member.id, other], explained))
         .filter(|&(other, _)| !search.is_contradicted_anywhere(&without_id(set, member.id), other))
+        .filter(|&(other, _)| is_shown || rules::refuses_no_image(search, other))
         .map(|(_, misreading)| misreading);
     let alike: Vec<&'static Misreading> = alike.collect();
     let is_unique = alike.iter().all(|other| other.clause == misreading.clause);
     let is_observation = misreading.symptom != Symptom::Values;
-    if !rules::is_shown(search, set, member.id, explained) || is_observation && !is_unique {
+    if !is_shown || is_observation && !is_unique {
         let candidates = [&[misreading], &alike[..]].concat();
         // A misreading that needs an edit outside the catalog does not look the same.
         let is_in_catalog =

@@ -25,6 +25,12 @@ impl Group {
         Group { cases, shared }
     }
 
+    /// Returns true if the file has the property that the files share.
+    fn contains(&self, witness: &Witness) -> bool {
+        let shared = self.shared.as_ref();
+        shared.is_some_and(|shared| shared.is_property() && shared.contains(witness))
+    }
+
     /// Returns the clause about the property that the files share.
     pub fn clause(&self) -> Option<&'static str> {
         self.shared
@@ -55,7 +61,16 @@ pub(super) fn group_stops(search: &Search, left: &mut Vec<usize>) -> Vec<Group> 
     left.retain(|w| !is_stop(w));
     let mut groups: Vec<Group> = Vec::new();
     let mut rest: Vec<(String, Vec<usize>)> = Vec::new();
-    for (message, mut open) in by_message {
+    // Failures without a message come last.
+    let unknown = by_message.remove_entry("");
+    for (message, mut open) in by_message.into_iter().chain(unknown) {
+        if message.is_empty() {
+            for group in &mut groups {
+                let is_inside = |w: &mut usize| group.contains(&witnesses[*w]);
+                let cases: Vec<usize> = open.extract_if(.., is_inside).collect();
+                extend(witnesses, group, cases);
+            }
+        }
         for read in [&all, &known] {
             let is_all = read.len() == all.len();
             while let Some(mut shared) =
@@ -174,10 +189,8 @@ pub(super) fn group_images(
         }
         // Files with the same property belong to the group that differs in the earliest step.
         for part in parts {
-            let is_property = |group: &Group| {
-                let shared = group.shared.as_ref();
-                shared.is_some_and(|shared| !matches!(shared.scope, FileScope::Formats(_)))
-            };
+            let is_property =
+                |group: &Group| group.shared.as_ref().is_some_and(SharedScope::is_property);
             let same = |(_, group): &&mut (Step, Group)| has_same_scope(group, &part);
             match groups.iter_mut().find(same) {
                 Some((_, group)) if is_property(&part) => extend(witnesses, group, part.cases),

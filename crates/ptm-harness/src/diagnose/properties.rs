@@ -1,10 +1,14 @@
 //! Properties that describe a set of files. Each was needed to describe the failures of a real decoder, or corresponds to a
 //! `make:` key in the cases.
 
+use std::borrow::Cow;
+
 use super::witness::{Facts, Property, Quantity, Witness};
+use ptm::decode::planes::{parse_records, side_information};
+use ptm::parts::{Extent, Step};
 use ptm::{Coding, Field, Format};
 use ptm_generate::spelling::{Count, Line, Lists};
-use ptm_generate::{MOTION, Recipe, plan::Compression, planes::StoredPlane};
+use ptm_generate::{INVERSION, MOTION, Recipe, plan::Compression, planes::StoredPlane};
 use ptm_suite::protocol::frame::{Answer, View};
 
 impl Witness<'_> {
@@ -33,8 +37,10 @@ struct File<'a> {
     format: Format,
     size: Option<(u32, u32)>,
     recipe: Option<&'a Recipe>,
-    plan: Option<&'a Compression>,
-    planes: &'a [StoredPlane],
+    plan: Option<Cow<'a, Compression>>,
+    planes: Cow<'a, [StoredPlane]>,
+    /// The encoding options of the streams, if the file was generated.
+    streams: Option<&'a Compression>,
     header: &'a [u8],
     data: &'a [u8],
     /// The scales, biases and matrix elements, as written in the file.
@@ -59,7 +65,17 @@ impl<'a> File<'a> {
         };
         let mut fields = witness.fields().iter();
         let indices = fields.find(|field| field.clause == "2.8.1/1");
-        let compressed = witness.model().and_then(|model| model.compressed.as_ref());
+        let generated = witness.case.compression();
+        let model = witness.model().and_then(|model| model.compressed.as_ref());
+        let (plan, planes) = match (generated, model) {
+            (None, _) => read_planes(witness.case.format(), file)
+                .map(|(plan, planes)| (Cow::Owned(plan), Cow::Owned(planes)))
+                .unzip(),
+            (plan, model) => (
+                plan.map(Cow::Borrowed),
+                model.map(|compressed| Cow::Borrowed(&compressed.planes[..])),
+            ),
+        };
         File {
             view: &witness.observation.view,
             light: match &witness.observation.view {
@@ -72,8 +88,9 @@ impl<'a> File<'a> {
                 _ => None,
             },
             recipe: witness.case.recipe(),
-            plan: witness.case.compression(),
-            planes: compressed.map_or(&[], |compressed| &compressed.planes),
+            plan,
+            planes: planes.unwrap_or_default(),
+            streams: generated,
             header,
             data,
             numbers: [texts("2.4/3"), texts("2.4/4"), texts("2.6/2")],
@@ -84,7 +101,7 @@ impl<'a> File<'a> {
 
     /// Returns the motion vectors by which references are displaced.
     fn vectors(&self) -> Vec<(i32, i32)> {
-        let Some(plan) = self.plan else {
+        let Some(plan) = &self.plan else {
             return Vec::new();
         };
         let get = |list: &[i32], plane: usize| list.get(plane).copied().unwrap_or_default();
@@ -96,6 +113,39 @@ impl<'a> File<'a> {
         let vector = |plane| (get(&plan.motion_x, plane), get(&plan.motion_y, plane));
         displaced.map(vector).collect()
     }
+}
+
+/// Reads the plan and the planes of a compressed file that was written by hand. Returns `None` for other formats and for files with
+/// faults.
+fn read_planes(format: Format, file: &[u8]) -> Option<(Compression, Vec<StoredPlane>)> {
+    format.coding()?;
+    let (_, _, streams) = ptm::decode::examine_streams(file);
+    let coded = streams.as_ref()?.coded();
+    let steps = || coded.plan.steps.iter();
+    let mut plan = Compression::default_for(format);
+    plan.parameter = coded.plan.parameter.try_into().ok()?;
+    plan.transforms = steps()
+        .map(|step| u32::from(step.inverted) * INVERSION | u32::from(step.displaced) * MOTION)
+        .collect();
+    let motion = |get: fn(&Step) -> i64| steps().map(|step| get(step) as i32).collect();
+    plan.motion_x = motion(|step| step.motion.0);
+    plan.motion_y = motion(|step| step.motion.1);
+    for (rank, &plane) in (0..).zip(&coded.plan.sequence) {
+        plan.order[plane] = rank;
+    }
+    plan.references = steps()
+        .map(|step| step.reference.map_or(-1, |reference| reference as i64))
+        .collect();
+    let plane = |index: usize, extent: &Extent| {
+        let block = side_information(&coded, index);
+        Some(StoredPlane {
+            stream: coded.payload[extent.stream.clone()].to_vec(),
+            records: parse_records(block, 0, coded.size.texels()).ok()?,
+        })
+    };
+    let extents = coded.plan.extents.iter().enumerate();
+    let planes = extents.map(|(index, extent)| plane(index, extent));
+    Some((plan, planes.collect::<Option<_>>()?))
 }
 
 /// Number of properties that describe the requested view. These properties come first.
@@ -256,15 +306,16 @@ fn data_properties(f: &File) -> [Property; 22] {
 }
 
 fn prediction_properties(f: &File) -> [Property; 14] {
-    let has = |test: fn(&Compression) -> bool| f.plan.is_some_and(test);
+    let plan = f.plan.as_deref();
+    let has = |test: fn(&Compression) -> bool| plan.is_some_and(test);
     let vectors = f.vectors();
     let is_half = vectors.iter().any(|(x, y)| (x | y) & 1 == 1);
     let is_negative = vectors.iter().any(|(x, y)| *x < 0 || *y < 0);
     let is_transformed = has(|plan| plan.transforms.iter().any(|&transform| transform != 0));
     let is_both = has(|plan| plan.transforms.contains(&3));
-    let planes = f.plan.map_or(0, |plan| plan.order.len());
+    let planes = plan.map_or(0, |plan| plan.order.len());
     let is_reordered = has(|plan| (0..).zip(&plan.order).any(|(plane, &rank)| rank != plane));
-    let reference = |plane: usize| f.plan.and_then(|plan| plan.reference(plane));
+    let reference = |plane: usize| plan.and_then(|plan| plan.reference(plane));
     let is_later = (0..planes).any(|p| reference(p).is_some_and(|other| other > p));
     let is_chained = (0..planes).any(|p| reference(p).and_then(reference).is_some());
     let has_records = |plane: usize| !f.planes[plane].records.is_empty();
@@ -303,7 +354,7 @@ fn prediction_properties(f: &File) -> [Property; 14] {
 }
 
 fn stream_properties(f: &File) -> [Property; 8] {
-    let has = |test: fn(&Compression) -> bool| f.plan.is_some_and(test);
+    let has = |test: fn(&Compression) -> bool| f.streams.is_some_and(test);
     let is_jpeg = f.format.coding() == Some(Coding::Jpeg);
     let is_zero = has(|plan| plan.parameter == 0);
     let is_wide = is_jpeg && has(|plan| !plan.stream.jpeg.baseline && plan.parameter < 24);
@@ -344,14 +395,17 @@ fn quantities(f: &File) -> Vec<Quantity> {
         .map(|(width, height)| (f64::from(width), f64::from(height)));
     let lines = f.header.split(|&byte| byte == b'\n').map(<[u8]>::len);
     let longest = lines.max().map(|longest| longest as f64);
-    let rank = f.plan.and_then(|plan| plan.order.iter().max());
+    let rank = f.plan.iter().flat_map(|plan| &plan.order).max();
     let rank = rank.map(|&rank| rank as f64);
     let motion = f.vectors().iter().map(|(x, y)| x.abs().max(y.abs())).max();
     let records = f.planes.iter().map(|plane| plane.records.len()).max();
     let positions = f.planes.iter().flat_map(|plane| &plane.records);
     let position = positions.map(|record| record.0).max().map(f64::from);
     let parameter = |coding: Coding| {
-        let plan = f.plan.filter(|_| f.format.coding() == Some(coding))?;
+        let plan = f
+            .plan
+            .as_deref()
+            .filter(|_| f.format.coding() == Some(coding))?;
         Some(f64::from(plan.parameter))
     };
     let loss = parameter(Coding::JpegLs);

@@ -12,7 +12,8 @@ use super::words::refusals::files_read;
 use ptm_mistakes::formula::EditedForm;
 use ptm_mistakes::{Change, Misreading, Symptom};
 use ptm_suite::cases::Expect;
-use ptm_suite::protocol::frame::ViewKind;
+use ptm_suite::protocol::frame::{Answer, ViewKind};
+use ptm_suite::verdicts::observation::Response;
 
 /// *No response contradicts a named mistake.*
 ///
@@ -153,6 +154,20 @@ pub(super) fn is_shown_by_responses(
         Symptom::Acceptances if are_all(Agreement::TwinImage) => true,
         _ => explained.iter().any(|&w| agreement(w) == Agreement::Image),
     }
+}
+
+/// *A mistake that is shown by refusals alone refuses no file of which the decoder shows an image.*
+///
+/// A decoder with an edited position may also read outside the data without noticing, but then its images show the mistake.
+pub(super) fn refuses_no_image(search: &Search, id: MistakeId) -> bool {
+    let mistake = &search.mistakes[id];
+    let is_refused = |witness: &Witness| {
+        matches!(witness.observation.response, Response::Image { .. })
+            && witness.expected != Answer::Rejected
+            && witness.can_affect(mistake)
+            && *witness.answer(&[mistake]) == Answer::Rejected
+    };
+    !search.witnesses.iter().any(is_refused)
 }
 
 /// *An exceeded time limit is not listed under wrong values.*

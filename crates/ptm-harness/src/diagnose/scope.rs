@@ -98,6 +98,11 @@ pub(super) struct SharedScope {
 }
 
 impl SharedScope {
+    /// Returns true unless the files share only their formats.
+    pub fn is_property(&self) -> bool {
+        !matches!(self.scope, FileScope::Formats(_))
+    }
+
     /// Returns true if the file is in the scope and has one of the formats in which the scope was searched.
     pub fn contains(&self, witness: &Witness) -> bool {
         self.formats.contains(&witness.case.format()) && self.scope.contains(witness)

@@ -82,7 +82,8 @@ pub(super) fn formats_phrase(witnesses: &[Witness], indices: &[usize]) -> String
     }
 }
 
-/// Returns text such as "12 of 160 legal files of LRGB, LUM", followed by the number of files that need not be decoded, if any.
+/// Returns text such as "12 of 160 legal files of LRGB, LUM", followed by the number of files that need not be decoded, if any, and
+/// by their formats if the legal files have other formats.
 fn share_text(witnesses: &[Witness], indices: &[usize]) -> String {
     let format = |w: usize| witnesses[w].case.format();
     let is_legal = |w: &usize| witnesses[*w].case.expect == Expect::Decode;
@@ -102,8 +103,15 @@ fn share_text(witnesses: &[Witness], indices: &[usize]) -> String {
         (0, 1) => format!("1 file{names} that need not be decoded"),
         (0, others) => format!("{others} files{names} that need not be decoded"),
         (legal, 0) => format!("{legal} of {all} legal files{names}"),
-        (legal, others) => {
-            format!("{legal} of {all} legal files{names} (and {others} that need not be decoded)")
+        (count, more) => {
+            let is_named = |w: &usize| legal.iter().any(|&l| format(l) == format(*w));
+            let theirs = match names.is_empty() || others.iter().all(is_named) {
+                true => String::new(),
+                false => format_names(witnesses, &others),
+            };
+            format!(
+                "{count} of {all} legal files{names} (and {more}{theirs} that need not be decoded)"
+            )
         }
     }
 }
