@@ -284,11 +284,13 @@ impl fmt::Display for Difference {
 /// Minimum magnitude at which a large number is printed with an exponent.
 const MIN_WITH_EXPONENT: f64 = 1e16;
 
-/// Formats a number with at most `decimals` decimal places, or with an exponent if it is very small or very large.
+/// Formats a number with at most `decimals` decimal places, or with an exponent if it is very large or so small that rounding changes
+/// it by more than a twentieth.
 #[must_use]
 pub fn format_short(value: f64, decimals: usize) -> String {
-    let is_tiny = value != 0.0 && value.abs() * 10_f64.powi(decimals as i32) < 0.5;
-    if is_tiny || value.is_finite() && value.abs() >= MIN_WITH_EXPONENT {
+    let unit = 10_f64.powi(decimals as i32);
+    let is_coarse = ((value * unit).round() / unit - value).abs() > value.abs() / 20.0;
+    if is_coarse || value.is_finite() && value.abs() >= MIN_WITH_EXPONENT {
         return format!("{:e}", value as f32);
     }
     let text = format!("{value:.decimals$}");
@@ -323,6 +325,7 @@ mod tests {
     fn different_numbers_print_differently() {
         assert_eq!(format_distinct(0.5, -0.0, 3), ["0.5", "0"]);
         assert_eq!(format_distinct(0.1, 0.100_000_001, 3), ["0.1", "0.1"]);
+        assert_eq!(format_distinct(0.000_068, 24.0, 4), ["6.8e-5", "24"]);
         assert_eq!(
             format_distinct(0.038_086, 0.038_114, 3),
             ["0.038086", "0.038114"]

@@ -19,7 +19,7 @@ use ptm_harness::session::plan::RunPlan;
 use ptm_harness::session::run::Run;
 use ptm_mistakes::Misreading;
 use ptm_mistakes::formula::{Edit, Formula};
-use ptm_suite::cases::{Case, Suite, TableSpelling};
+use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::choices::CHOICES;
 use ptm_suite::compare::Expected;
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, TimeLimit, View, ViewKind};
@@ -605,7 +605,10 @@ fn another_order_of_position_bytes_does_not_look_the_same() {
     let mut reports = Vec::new();
     let decoders: [(fn(&[u8], usize, usize) -> ptm::Result<Vec<Record>>, &str); 2] = [
         (little_endian_records, "reads positions low byte first"),
-        (checked_little_endian_records, "with side information"),
+        (
+            checked_little_endian_records,
+            "every legal file with a record whose position is at least 1",
+        ),
     ];
     for (records, words) in decoders {
         let reading = Reading {
@@ -1599,11 +1602,11 @@ fn a_misreading_that_refuses_a_file_with_an_image_is_not_offered() {
     let mistake = misreading("width-always-two");
     let is_uniform = |case: &&Case| case.id.starts_with("payload-of-");
     let uniform = suite.cases.iter().filter(is_uniform);
-    let uniform = uniform.map(|case| case.build(TableSpelling::default()).file.to_vec());
-    let uniform: Vec<Vec<u8>> = uniform.collect();
+    let uniform = uniform.map(|case| case.build(TableSpelling::default()).file.clone());
+    let uniform: Vec<_> = uniform.collect();
     assert!(!uniform.is_empty());
     printed_report(&suite, |request| match answer_with(&[mistake], request) {
-        Answer::Rejected if !uniform.iter().any(|file| file == request.file) => Answer::Rejected,
+        Answer::Rejected if !uniform.iter().any(|file| **file == *request.file) => Answer::Rejected,
         _ => reference_answer(request),
     })
     .never_says(mistake.slug)
@@ -1686,5 +1689,58 @@ fn formats_of_files_that_need_not_be_decoded_are_those_of_these_files() {
         "legal files of RGB (and ",
         " of LUM, LRGB, PTM_LUT, PTM_C_LUT that need not be decoded)",
     ])
+    .assert_true();
+}
+
+/// Returns true if a plane of the file is predicted from a displaced reference.
+fn has_displaced_references(file: &[u8]) -> bool {
+    let (_, _, streams) = ptm::decode::examine_streams(file);
+    streams.is_some_and(|streams| {
+        let mut steps = streams.coded().plan.steps.iter();
+        steps.any(|step| step.reference.is_some() && step.displaced)
+    })
+}
+
+/// The decoder refuses legal files with displaced references, but reads such files that need not be decoded.
+#[test]
+fn a_file_that_need_not_be_decoded_refutes_a_property() {
+    let suite = cases(is_compressed);
+    printed_report(&suite, |request| {
+        let is_legal = suite
+            .case(request.name)
+            .is_some_and(|case| case.expect == Expect::Decode);
+        match reference_answer(request) {
+            Answer::Decoded(_) if is_legal && has_displaced_references(request.file) => {
+                Answer::Rejected
+            }
+            answer => answer,
+        }
+    })
+    .never_says("every legal file with displaced references")
+    .assert_true();
+}
+
+/// The decoder crashes on some files with displaced references, and shows a wrong image of the others.
+#[test]
+fn crashes_and_wrong_images_of_files_with_one_property_are_one_cause() {
+    let suite = cases(is_compressed);
+    printed_report(&suite, |request| match reference_answer(request) {
+        Answer::Decoded(_)
+            if has_displaced_references(request.file) && request.file.len() % 7 == 0 =>
+        {
+            Answer::Crashed("exit status 1".to_owned())
+        }
+        Answer::Decoded(mut frame) if has_displaced_references(request.file) => {
+            if let Samples::U8(samples) = &mut frame.samples {
+                for (i, sample) in samples.iter_mut().enumerate() {
+                    *sample ^= (i * i % 251) as u8;
+                }
+            }
+            Answer::Decoded(frame)
+        }
+        answer => answer,
+    })
+    .says(&["every legal file with displaced references (and "])
+    .has_causes(1)
     .assert_true();
 }

@@ -100,6 +100,7 @@ fn is_founded(
                 <= explained.len())
         && covers_its_kind()
         && (rules::is_shown(search, set, id, explained) || rules::refuses_no_image(search, id))
+        && rules::checks_all_indices(search, set, id, explained)
         && !search.is_contradicted_anywhere(&without_id(set, id), id)
 }
 

@@ -48,7 +48,7 @@ pub(super) fn group_stops(search: &Search, left: &mut Vec<usize>) -> Vec<Group> 
     let is_stop = |w: &usize| {
         witnesses[*w].case.expect == Expect::Decode && FailureMode::new(&witnesses[*w]).is_some()
     };
-    let is_image = |w: &usize| witnesses[*w].is_image_of_legal_file();
+    let is_image = |w: &usize| witnesses[*w].is_permitted_image();
     let all: Vec<usize> = (0..witnesses.len()).filter(is_image).collect();
     // A wrong image with an unknown cause may have the same cause as the files without an image.
     let known: Vec<usize> = all.iter().copied().filter(|w| !left.contains(w)).collect();
@@ -83,8 +83,11 @@ pub(super) fn group_stops(search: &Search, left: &mut Vec<usize>) -> Vec<Group> 
                 }
                 open.retain(|w| !shared.cases.contains(w));
                 let mut cases = shared.cases.clone();
-                // If the group explains no image of a file in the scope, these images belong to the group.
-                let is_inside = |w: &&usize| is_image(w) && shared.contains(&witnesses[**w]);
+                // Wrong images of files in the scope, and failures of those that need not be decoded, belong to the group.
+                let is_inside = |w: &&usize| {
+                    let witness = &witnesses[**w];
+                    !witness.case.expect.is_refusal() && shared.contains(witness)
+                };
                 cases.extend(left.iter().filter(is_inside));
                 left.retain(|w| !cases.contains(w));
                 shared.cases.clone_from(&cases);
@@ -158,8 +161,7 @@ pub(super) fn group_images(
     // A correct or reproduced image of a file with a property contradicts it. A file without an image is no evidence.
     let is_known = |w: &usize| {
         let witness = &witnesses[*w];
-        witness.is_image_of_legal_file()
-            && (!witness.failed || search.agreement(*w, set).explains())
+        witness.is_permitted_image() && (!witness.failed || search.agreement(*w, set).explains())
     };
     let known: Vec<usize> = (0..witnesses.len()).filter(is_known).collect();
     let mut by_step: BTreeMap<Step, Vec<usize>> = BTreeMap::new();

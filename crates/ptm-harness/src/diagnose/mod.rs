@@ -118,10 +118,10 @@ fn describe_rest(search: &Search, set: &MistakeSet, mut left: Vec<usize>) -> Vec
     let witnesses = search.witnesses;
     let mut causes = words::uniform::describe(witnesses, &mut left);
     causes.extend(words::acceptances::describe(witnesses, &mut left));
-    causes.extend(words::violation::describe(witnesses, &mut left));
     for group in groups::group_stops(search, &mut left) {
         causes.push(words::refusals::describe(witnesses, &group));
     }
+    causes.extend(words::violation::describe(witnesses, &mut left));
     let steps = place::steps(search, set, &left);
     for (step, group) in groups::group_images(search, set, &steps) {
         causes.push(words::differences::describe(search, set, step, &group));

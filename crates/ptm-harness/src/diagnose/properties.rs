@@ -2,13 +2,15 @@
 //! `make:` key in the cases.
 
 use std::borrow::Cow;
+use std::str::FromStr;
 
 use super::witness::{Facts, Property, Quantity, Witness};
+use ptm::decode::compressed::Streams;
 use ptm::decode::planes::{parse_records, side_information};
-use ptm::parts::{Extent, Step};
+use ptm::parts::Extent;
 use ptm::{Coding, Field, Format};
 use ptm_generate::spelling::{Count, Line, Lists};
-use ptm_generate::{INVERSION, MOTION, Recipe, plan::Compression, planes::StoredPlane};
+use ptm_generate::{MOTION, Recipe, plan::Compression, planes::StoredPlane};
 use ptm_suite::protocol::frame::{Answer, View};
 
 impl Witness<'_> {
@@ -37,7 +39,7 @@ struct File<'a> {
     format: Format,
     size: Option<(u32, u32)>,
     recipe: Option<&'a Recipe>,
-    plan: Option<Cow<'a, Compression>>,
+    plan: Option<Compression>,
     planes: Cow<'a, [StoredPlane]>,
     /// The encoding options of the streams, if the file was generated.
     streams: Option<&'a Compression>,
@@ -65,16 +67,12 @@ impl<'a> File<'a> {
         };
         let mut fields = witness.fields().iter();
         let indices = fields.find(|field| field.clause == "2.8.1/1");
-        let generated = witness.case.compression();
-        let model = witness.model().and_then(|model| model.compressed.as_ref());
-        let (plan, planes) = match (generated, model) {
-            (None, _) => read_planes(witness.case.format(), file)
-                .map(|(plan, planes)| (Cow::Owned(plan), Cow::Owned(planes)))
-                .unzip(),
-            (plan, model) => (
-                plan.map(Cow::Borrowed),
-                model.map(|compressed| Cow::Borrowed(&compressed.planes[..])),
-            ),
+        let format = witness.case.format();
+        let painted = witness.model().and_then(|model| model.compressed.as_ref());
+        let planes = match painted {
+            Some(compressed) => Cow::Borrowed(&compressed.planes[..]),
+            None if format.coding().is_some() => Cow::Owned(read_planes(file)),
+            None => Cow::Borrowed(&[][..]),
         };
         File {
             view: &witness.observation.view,
@@ -82,15 +80,15 @@ impl<'a> File<'a> {
                 View::Rgb(light) => Some((light.lu, light.lv)),
                 _ => None,
             },
-            format: witness.case.format(),
+            format,
             size: match &witness.expected {
                 Answer::Decoded(frame) => Some((frame.width, frame.height)),
                 _ => None,
             },
             recipe: witness.case.recipe(),
-            plan,
-            planes: planes.unwrap_or_default(),
-            streams: generated,
+            plan: read_plan(format, texts),
+            planes,
+            streams: witness.case.compression(),
             header,
             data,
             numbers: [texts("2.4/3"), texts("2.4/4"), texts("2.6/2")],
@@ -115,37 +113,41 @@ impl<'a> File<'a> {
     }
 }
 
-/// Reads the plan and the planes of a compressed file that was written by hand. Returns `None` for other formats and for files with
-/// faults.
-fn read_planes(format: Format, file: &[u8]) -> Option<(Compression, Vec<StoredPlane>)> {
-    format.coding()?;
-    let (_, _, streams) = ptm::decode::examine_streams(file);
-    let coded = streams.as_ref()?.coded();
-    let steps = || coded.plan.steps.iter();
-    let mut plan = Compression::default_for(format);
-    plan.parameter = coded.plan.parameter.try_into().ok()?;
-    plan.transforms = steps()
-        .map(|step| u32::from(step.inverted) * INVERSION | u32::from(step.displaced) * MOTION)
-        .collect();
-    let motion = |get: fn(&Step) -> i64| steps().map(|step| get(step) as i32).collect();
-    plan.motion_x = motion(|step| step.motion.0);
-    plan.motion_y = motion(|step| step.motion.1);
-    for (rank, &plane) in (0..).zip(&coded.plan.sequence) {
-        plan.order[plane] = rank;
+/// Reads the lists of a compressed file. Returns `None` for other formats and for lists with faults. `numbers` returns the numbers of
+/// a list, as written in the file.
+fn read_plan<'a>(format: Format, numbers: impl Fn(&str) -> Vec<&'a str>) -> Option<Compression> {
+    fn list<T: FromStr>(texts: &[&str], count: usize) -> Option<Vec<T>> {
+        let numbers: Option<Vec<T>> = texts.iter().map(|text| text.parse().ok()).collect();
+        numbers.filter(|numbers| numbers.len() == count)
     }
-    plan.references = steps()
-        .map(|step| step.reference.map_or(-1, |reference| reference as i64))
-        .collect();
-    let plane = |index: usize, extent: &Extent| {
-        let block = side_information(&coded, index);
-        Some(StoredPlane {
-            stream: coded.payload[extent.stream.clone()].to_vec(),
-            records: parse_records(block, 0, coded.size.texels()).ok()?,
-        })
+    format.coding()?;
+    let mut plan = Compression::default_for(format);
+    let count = plan.order.len();
+    plan.parameter = list(&numbers("2.9.1/1"), 1)?[0];
+    plan.transforms = list(&numbers("2.9.2/1"), count)?;
+    plan.motion_x = list(&numbers("2.9.3/1"), 2 * count)?;
+    plan.motion_y = plan.motion_x.split_off(count);
+    plan.order = list(&numbers("2.9.4/1"), count)?;
+    plan.references = list(&numbers("2.9.5/1"), count)?;
+    let exists = |&reference: &i64| reference < count as i64;
+    plan.references.iter().all(exists).then_some(plan)
+}
+
+/// Reads the streams and records of a compressed file. Returns no planes if the reference refuses the file.
+fn read_planes(file: &[u8]) -> Vec<StoredPlane> {
+    let (_, _, streams) = ptm::decode::examine_streams(file);
+    let Some(coded) = streams.as_ref().map(Streams::coded) else {
+        return Vec::new();
     };
     let extents = coded.plan.extents.iter().enumerate();
-    let planes = extents.map(|(index, extent)| plane(index, extent));
-    Some((plan, planes.collect::<Option<_>>()?))
+    let plane = |(index, extent): (usize, &Extent)| {
+        let block = side_information(&coded, index);
+        StoredPlane {
+            stream: coded.payload[extent.stream.clone()].to_vec(),
+            records: parse_records(block, 0, coded.size.texels()).unwrap_or_default(),
+        }
+    };
+    extents.map(plane).collect()
 }
 
 /// Number of properties that describe the requested view. These properties come first.
@@ -306,7 +308,7 @@ fn data_properties(f: &File) -> [Property; 22] {
 }
 
 fn prediction_properties(f: &File) -> [Property; 14] {
-    let plan = f.plan.as_deref();
+    let plan = f.plan.as_ref();
     let has = |test: fn(&Compression) -> bool| plan.is_some_and(test);
     let vectors = f.vectors();
     let is_half = vectors.iter().any(|(x, y)| (x | y) & 1 == 1);
@@ -404,7 +406,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
     let parameter = |coding: Coding| {
         let plan = f
             .plan
-            .as_deref()
+            .as_ref()
             .filter(|_| f.format.coding() == Some(coding))?;
         Some(f64::from(plan.parameter))
     };

@@ -9,7 +9,7 @@ use super::search::{Effect, MistakeId, MistakeSet, Search, without_id};
 use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all, is_third};
 use super::witness::{Agreement, Witness};
 use super::words::refusals::files_read;
-use ptm_mistakes::formula::EditedForm;
+use ptm_mistakes::formula::{EditedForm, Formula};
 use ptm_mistakes::{Change, Misreading, Symptom};
 use ptm_suite::cases::Expect;
 use ptm_suite::protocol::frame::{Answer, ViewKind};
@@ -168,6 +168,22 @@ pub(super) fn refuses_no_image(search: &Search, id: MistakeId) -> bool {
             && *witness.answer(&[mistake]) == Answer::Rejected
     };
     !search.witnesses.iter().any(is_refused)
+}
+
+/// *A decoder that refuses an index past the table does not also read there.*
+///
+/// An edit of the index that reproduces refusals is not shown by images in which the index is past the table.
+pub(super) fn checks_all_indices(
+    search: &Search,
+    set: &MistakeSet,
+    id: MistakeId,
+    explained: &[usize],
+) -> bool {
+    let formulas = search.mistakes[id].misreading.formulas();
+    let is_refused = |&w: &usize| search.agreement(w, set) == Agreement::Refusal;
+    !formulas.contains(&Formula::Index)
+        || !explained.iter().any(is_refused)
+        || refuses_no_image(search, id)
 }
 
 /// *An exceeded time limit is not listed under wrong values.*

@@ -256,13 +256,13 @@ pub(super) fn shared_scope(
     valid.max_by_key(|one| one.cases.len())
 }
 
-/// Returns the property that all of these files and the fewest others of the same formats have, as text that completes "files …",
-/// unless the match may be a coincidence.
+/// Returns the property that all of these files and the fewest others of the same formats in the same views have, as text that
+/// completes "files …", unless the match may be a coincidence.
 pub(super) fn common_property(witnesses: &[Witness], cases: &[usize]) -> Option<&'static str> {
     let formats = own_formats(witnesses, cases, &[]);
-    let others: Vec<usize> = (0..witnesses.len())
-        .filter(|w| !cases.contains(w))
-        .collect();
+    let view = |w: &usize| witnesses[*w].observation.view.kind();
+    let is_other = |w: &usize| !cases.contains(w) && cases.iter().any(|case| view(case) == view(w));
+    let others: Vec<usize> = (0..witnesses.len()).filter(is_other).collect();
     let others = files_of(witnesses, &others, &formats);
     let has = |w: &usize, index: usize| witnesses[*w].facts().properties[index].1;
     let properties = &witnesses.first()?.facts().properties;

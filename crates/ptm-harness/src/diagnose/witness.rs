@@ -22,6 +22,7 @@ use ptm_suite::kit::parallel::map_in_parallel;
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, View, ViewKind};
 use ptm_suite::values::Values;
 use ptm_suite::verdicts::dialect::Certainty;
+use ptm_suite::verdicts::judge::readings_text;
 use ptm_suite::verdicts::observation::{Observation, Response};
 use ptm_suite::verdicts::outcome::Outcome;
 
@@ -46,6 +47,8 @@ pub(super) struct Witness<'a> {
     /// The reference's reading, if the case depends on an open question that the dialect answers differently. A mistake may look
     /// like a different answer.
     other_reading: Option<Reading>,
+    /// Names the readings of this dialect that affect the answer and are not the reference's, as in "with motion-border: 128".
+    pub own_readings: Option<String>,
     /// The reference's answer in this dialect.
     pub expected: Answer,
     /// The correct answer in `other_reading`.
@@ -153,6 +156,12 @@ pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, threads: usize) -> V
             inconsistent_files,
             reading,
             other_reading,
+            own_readings: match &observation.response {
+                Response::Image { right, .. } => {
+                    readings_text(&CHOICES, right.axes(), &inferred_dialect(run))
+                }
+                _ => None,
+            },
             expected,
             correct_in_other_reading: OnceLock::new(),
             twin_image: twin_file
@@ -276,6 +285,12 @@ impl Witness<'_> {
         })
     }
 
+    /// Returns true if the file need not be refused and the response is an image.
+    pub fn is_permitted_image(&self) -> bool {
+        let is_image = matches!(self.observation.response, Response::Image { .. });
+        is_image && !self.case.expect.is_refusal()
+    }
+
     /// Returns true if the file is legal and the response is an image.
     pub fn is_image_of_legal_file(&self) -> bool {
         let is_image = matches!(self.observation.response, Response::Image { .. });
@@ -333,9 +348,11 @@ impl Witness<'_> {
                 }
             }
             (Response::Rejected, Answer::Rejected)
-            | (Response::Unsupported, Answer::Rejected | Answer::Unsupported) => Agreement::Refusal,
+            | (Response::Unsupported, Answer::Unsupported) => Agreement::Refusal,
+            // A decoder that exits with 69 does not take the file for malformed.
             (
-                Response::Violation(
+                Response::Unsupported
+                | Response::Violation(
                     Answer::Crashed(_) | Answer::TimedOut(_) | Answer::OutOfMemory(_),
                 ),
                 Answer::Rejected,

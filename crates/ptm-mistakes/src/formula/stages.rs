@@ -772,7 +772,7 @@ impl CompressedPlanes<'_> {
         }
         let block = (self.reading.side_information)(&self.coded, p);
         let start = self.coded.at + self.coded.plan.extents[p].side.start;
-        if !edits.edits_any(Formula::RecordCount..=Formula::RecordByte) {
+        if !edits.edits_any(Formula::RecordCount..=Formula::RecordPosition) {
             (self.reading.records)(block, start, plane.len())?;
         }
         let size = [block.len() as f64, self.coded.plan.parameter as f64];

@@ -128,7 +128,9 @@ impl QuestionFacts<'_> {
         if outcome == Outcome::Unsupported {
             return verdict(outcome, "");
         }
-        if let Some(reason) = undecoded_twin {
+        if !matches!(response, Response::Violation(_))
+            && let Some(reason) = undecoded_twin
+        {
             return verdict(Outcome::Inconclusive, reason);
         }
         let expected = &case.expect;

@@ -163,7 +163,9 @@ impl<C: TestCase> CaseFacts<'_, C> {
         }
         let is_image = |&twin: &usize| self.answers.is_image(twin);
         let id = |twin: usize| self.answers.suite.cases[twin].id();
-        if let Some(says) = undecoded_twin_reason(self.twins, is_image, id) {
+        if !matches!(observation.response, Response::Violation(_))
+            && let Some(says) = undecoded_twin_reason(self.twins, is_image, id)
+        {
             return verdict(Outcome::Inconclusive, says);
         }
         match &observation.response {
@@ -192,6 +194,10 @@ impl<C: TestCase> CaseFacts<'_, C> {
                 let own = self.answers.difference(self.index, self.dialect);
                 let differs = own.as_ref().or(difference.as_ref());
                 let differs = differs.map(ToString::to_string).unwrap_or_default();
+                let differs = match readings_text(&C::CHOICES, right.axes(), self.dialect) {
+                    Some(readings) => format!("{readings}, {differs}"),
+                    None => differs,
+                };
                 self.wrong_image_verdict(right, differs)
             }
         }
@@ -245,6 +251,19 @@ pub(crate) fn undecoded_twin_reason<'a>(
     } else {
         format!("no legal file of its kind (such as {first}) was decoded")
     })
+}
+
+/// Names the readings other than the reference's that an expected image follows, as in "with motion-border: 128". Returns `None` if
+/// it follows the reference.
+#[must_use]
+pub fn readings_text<R>(choices: &Choices<R>, axes: &[Axis], dialect: &Dialect) -> Option<String> {
+    let is_own = |&&axis: &&Axis| dialect.0[axis] != 0;
+    let readings = axes.iter().filter(is_own).map(|&axis| {
+        let choice = &choices[axis];
+        format!("{}: {}", choice.ruling, choice.readings[dialect.0[axis]].0)
+    });
+    let readings: Vec<String> = readings.collect();
+    (!readings.is_empty()).then(|| format!("with {}", readings.join("; ")))
 }
 
 /// Describes the readings that a decoder mixes. The answer is right in the `other` dialect.

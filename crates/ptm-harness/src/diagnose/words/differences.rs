@@ -565,6 +565,12 @@ fn describe_sample(search: &Search, w: usize, preferred: &[usize]) -> String {
         "for example {id}, texel ({x}, {y}), {}: received {received}, expected {expected}",
         channel_name(pair.channels, channel),
     );
+    text.extend(
+        witness
+            .own_readings
+            .iter()
+            .map(|readings| format!(" {readings}")),
+    );
     let is_limited =
         pair.view == ViewKind::Rgb && (pair.expected[i] <= 0.0 || pair.expected[i] >= 255.0);
     let limited = is_limited.then_some(", limited to 0…255");

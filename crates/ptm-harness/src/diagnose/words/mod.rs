@@ -107,7 +107,10 @@ fn share_text(witnesses: &[Witness], indices: &[usize]) -> String {
             let is_named = |w: &usize| legal.iter().any(|&l| format(l) == format(*w));
             let theirs = match names.is_empty() || others.iter().all(is_named) {
                 true => String::new(),
-                false => format_names(witnesses, &others),
+                false => match format_names(witnesses, &others) {
+                    names if names.is_empty() => " of several formats".to_owned(),
+                    names => names,
+                },
             };
             format!(
                 "{count} of {all} legal files{names} (and {more}{theirs} that need not be decoded)"
