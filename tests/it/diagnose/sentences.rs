@@ -6,7 +6,7 @@ use std::cell::RefCell;
 use std::sync::OnceLock;
 use std::time::Duration;
 
-use ptm::decode::{decode_as, examine_as, planes, predict};
+use ptm::decode::{decode_as, examine_as, indices, planes, predict};
 use ptm::error::Class;
 use ptm::parts::{Coded, PlaneStream, Record};
 use ptm::{Coding, Format, Limits, Planes, Ptm, Reading, ScaleBias, Shape, Size, evaluate};
@@ -1742,5 +1742,66 @@ fn crashes_and_wrong_images_of_files_with_one_property_are_one_cause() {
     })
     .says(&["every legal file with displaced references (and "])
     .has_causes(1)
+    .assert_true();
+}
+
+/// The decoder computes the sum of the bytes of an index times 256, and refuses an index past the table.
+#[test]
+fn an_index_past_the_table_that_is_refused_elsewhere_shows_no_formula() {
+    let suite = cases(is_uncompressed);
+    let reading = Reading {
+        index: |stored| match stored {
+            [low, high] => (usize::from(*low) + usize::from(*high)) * 256,
+            _ => indices::little_endian(stored),
+        },
+        ..Reading::SPEC
+    };
+    printed_report(&suite, |request| answer_in(reading, request))
+        .never_says("computes the index as")
+        .says(&["with a table of more than 256 entries"])
+        .assert_true();
+}
+
+/// The decoder reads the first three bytes of a position, and refuses positions outside the plane.
+#[test]
+fn an_edited_position_alone_decides_whether_a_record_is_in_range() {
+    let suite = cases(is_compressed);
+    let reading = Reading {
+        records: |block, at, texels| {
+            let shift = |record: &[u8]| [0, record[0], record[1], record[2], record[4]];
+            let mut shifted: Vec<u8> = block.chunks_exact(5).flat_map(shift).collect();
+            shifted.extend_from_slice(block.chunks_exact(5).remainder());
+            planes::parse_records(&shifted, at, texels)
+        },
+        ..Reading::SPEC
+    };
+    printed_report(&suite, |request| answer_in(reading, request))
+        .never_says("ignores records")
+        .has_causes(1)
+        .assert_true();
+}
+
+/// The decoder exits with 69 for displaced references, except if the reference is not inverted.
+#[test]
+fn exit_status_69_does_not_mean_malformed() {
+    let suite = cases(is_compressed);
+    printed_report(&suite, |request| {
+        let is_both = |streams: ptm::decode::compressed::Streams| {
+            let mut steps = streams.coded().plan.steps.iter();
+            steps.any(|step| step.displaced && step.inverted)
+        };
+        match reference_answer(request) {
+            Answer::Decoded(_)
+                if ptm::decode::examine_streams(request.file)
+                    .2
+                    .is_some_and(is_both) =>
+            {
+                Answer::Unsupported
+            }
+            answer => answer,
+        }
+    })
+    .never_says("as malformed")
+    .says(&["exits with 69 (unsupported) on"])
     .assert_true();
 }
