@@ -77,8 +77,7 @@ pub(super) fn group_stops(search: &Search, left: &mut Vec<usize>) -> Vec<Group> 
                 stop_scope(search, &open, read, if is_all { &[] } else { left })
             {
                 // That all images of a format are also wrong connects them with nothing.
-                let is_format = matches!(shared.scope, FileScope::Formats(_));
-                if is_format && !is_all {
+                if !shared.is_property() && !is_all {
                     break;
                 }
                 open.retain(|w| !shared.cases.contains(w));

@@ -47,7 +47,8 @@ pub(super) struct Witness<'a> {
     /// The reference's reading, if the case depends on an open question that the dialect answers differently. A mistake may look
     /// like a different answer.
     other_reading: Option<Reading>,
-    /// Names the readings of this dialect that affect the answer and are not the reference's, as in "with motion-border: 128".
+    /// Names the readings of this dialect that affect the answer and are not the reference's, as in "with
+    /// motion-border: samples outside a plane are 128".
     pub own_readings: Option<String>,
     /// The reference's answer in this dialect.
     pub expected: Answer,
@@ -293,8 +294,7 @@ impl Witness<'_> {
 
     /// Returns true if the file is legal and the response is an image.
     pub fn is_image_of_legal_file(&self) -> bool {
-        let is_image = matches!(self.observation.response, Response::Image { .. });
-        is_image && self.case.expect == Expect::Decode
+        self.is_permitted_image() && self.case.expect == Expect::Decode
     }
 
     /// Returns true if the response is an image of a legal file, and the image is evidence.

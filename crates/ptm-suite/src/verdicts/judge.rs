@@ -253,8 +253,8 @@ pub(crate) fn undecoded_twin_reason<'a>(
     })
 }
 
-/// Names the readings other than the reference's that an expected image follows, as in "with motion-border: 128". Returns `None` if
-/// it follows the reference.
+/// Names the readings other than the reference's that an expected image follows, as in "with motion-border: samples outside a plane
+/// are 128". Returns `None` if it follows the reference.
 #[must_use]
 pub fn readings_text<R>(choices: &Choices<R>, axes: &[Axis], dialect: &Dialect) -> Option<String> {
     let is_own = |&&axis: &&Axis| dialect.0[axis] != 0;
