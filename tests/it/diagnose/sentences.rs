@@ -1791,3 +1791,24 @@ fn exit_status_69_does_not_mean_malformed() {
     .says(&["exits with 69 (unsupported) on"])
     .assert_true();
 }
+
+/// The decoder looks for indices so far before the file that it finds zeros, or in the header, where it finds letters.
+#[test]
+fn a_position_of_which_nothing_is_in_the_data_is_not_named() {
+    let suite = cases(|case| case.format() == Format::PtmCLut);
+    let first_index = Reading {
+        index: |_| 0,
+        ..Reading::SPEC
+    };
+    printed_report(&suite, |request| {
+        let (fields, _) = ptm::decode::fields(request.file);
+        let table = fields.iter().find(|field| field.clause == "2.5/3");
+        match table.map(|field| &field.range) {
+            Some(table) if table.start >= table.len() => Answer::Rejected,
+            Some(_) => answer_in(first_index, request),
+            None => reference_answer(request),
+        }
+    })
+    .never_says("the decoder computes the ")
+    .assert_true();
+}
