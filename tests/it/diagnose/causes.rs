@@ -211,7 +211,7 @@ final coefficient | (raw - bias[c + i / 6]) * scale[i] | any | bias[c + i / 6]
 final color | select(at_most(i, 0), (raw - bias[i]) * scale[i], raw) | any | ((raw - bias[i]) * scale[i] if i <= 0, else raw)
 number of a byte | mod(raw + 128, 256) - 128 | any | mod(raw + 128, 256) - 128 instead of raw
 float byte | select(at_most(3, k), 0, mod(floor(bits / power(2, 8 * k)), 256)) | any | byte k of a float && (0 if 3 <= k
-float byte | mod(floor(integer / power(2, 8 * k)), 256) | any | where integer is the final value as an integer
+float byte | mod(floor(integer / power(2, 8 * k)), 256) | any | where integer is the final value without its fraction
 float place | 3 * v | any | 3 * v instead of
 color place | t * 4 + k | any | t * 4 + k instead of
 color place | select(at_most(abs(t), 0), none, t * 3 + k) | any | (none if t = 0, else t * 3 + k)
@@ -220,6 +220,9 @@ color place | select(at_most(abs(t), 0), t * 3 + k, none) | any | (t * 3 + k if 
 final coefficient | select(at_most(i, 0), (raw - bias[i]) * scale[i], 0) | any | ((raw - bias[i]) * scale[i] if i <= 0, else 0)
 final coefficient | select(at_most(abs(i - 5), 0), 0, (raw - bias[i]) * scale[i]) | any | 0 instead of && only in a5
 shown value | max(min(value, 255) - 1, 0) | rgb | max(min(value, 255) - 1, 0) instead of
+shown value | select(at_most(value, 0), 0, select(at_most(255, value), 255, value + 1)) | rgb | (255 if 255 <= value, else value + 1)
+shown value | select(at_most(value, 0), 0, select(at_most(255, value), 255, max(value - 1, 0)))
+  | rgb | (255 if 255 <= value, else max(value - 1, 0))
 shown value | max(max(value, 0), 255) | any | max(max(value, 0), 255) instead of
 channel of a coefficient | c * 6 + i - 1 | any | c * 6 + i - 1 instead of
 matrix row | m[k] * Y + m[12 + k] * Cr + m[8 + k] * Cb + m[12 + k] | rgb | m[12 + k] * Cr
@@ -233,7 +236,7 @@ start of the texels | at - 1 | any | the first byte after the header as at - 1 i
 size of a group | count | any | as count instead of size && count is the number of texels
 size of a group | select(at_most(abs(b - 1), 0), size - 1, size) | any | (size - 1 if b = 1, else size)
 end of a group | (t + 2) * size | any | (t + 2) * size instead of (t + 1) * size
-float byte | mod(floor(truncated / power(2, 8 * k)), 256) | any | where truncated is the float without its fraction
+float byte | mod(floor(truncated / power(2, 8 * k)), 256) | any | where truncated is the bit pattern
 length of a block | 0 | any | as 0 instead of count * size
 index byte | entries * size + select(at_most(1, k), (row * width + x) * 2 + 2, (row * width + x) * bytes + k)
   | any | bytes

@@ -1623,7 +1623,7 @@ fn has_side_information(file: &[u8]) -> bool {
     plan_of(file).is_some_and(|plan| plan.extents.iter().any(|extent| !extent.side.is_empty()))
 }
 
-fn has_displaced_references(file: &[u8]) -> bool {
+fn has_motion_compensation(file: &[u8]) -> bool {
     let is_displaced = |step: &Step| step.reference.is_some() && step.displaced;
     plan_of(file).is_some_and(|plan| plan.steps.iter().any(is_displaced))
 }
@@ -1701,7 +1701,7 @@ fn formats_of_files_that_need_not_be_decoded_are_those_of_these_files() {
     .assert_true();
 }
 
-/// The decoder refuses legal files with displaced references, but reads such files that need not be decoded.
+/// The decoder refuses legal files with motion compensation, but reads such files that need not be decoded.
 #[test]
 fn a_file_that_need_not_be_decoded_refutes_a_property() {
     let suite = cases(is_compressed);
@@ -1710,30 +1710,30 @@ fn a_file_that_need_not_be_decoded_refutes_a_property() {
             .case(request.name)
             .is_some_and(|case| case.expect == Expect::Decode);
         match reference_answer(request) {
-            Answer::Decoded(_) if is_legal && has_displaced_references(request.file) => {
+            Answer::Decoded(_) if is_legal && has_motion_compensation(request.file) => {
                 Answer::Rejected
             }
             answer => answer,
         }
     })
-    .never_says("every legal file with displaced references")
+    .never_says("every legal file with motion compensation")
     .assert_true();
 }
 
-/// The decoder crashes on some files with displaced references, and shows a wrong image of the others.
+/// The decoder crashes on some files with motion compensation, and shows a wrong image of the others.
 #[test]
 fn crashes_and_wrong_images_of_files_with_one_property_are_one_cause() {
     let suite = cases(is_compressed);
     printed_report(&suite, |request| match reference_answer(request) {
         Answer::Decoded(_)
-            if has_displaced_references(request.file) && request.file.len() % 7 == 0 =>
+            if has_motion_compensation(request.file) && request.file.len() % 7 == 0 =>
         {
             Answer::Crashed("exit status 1".to_owned())
         }
-        Answer::Decoded(frame) if has_displaced_references(request.file) => scrambled(frame),
+        Answer::Decoded(frame) if has_motion_compensation(request.file) => scrambled(frame),
         answer => answer,
     })
-    .says(&["every legal file with displaced references (and "])
+    .says(&["every legal file with motion compensation (and "])
     .has_causes(1)
     .assert_true();
 }

@@ -14,6 +14,7 @@ use ptm_suite::protocol::frame::{Answer, Samples};
 use ptm_suite::protocol::request::Request;
 use ptm_suite::test_case::TestCase;
 use ptm_suite::verdicts::dialect::Certainty;
+use ptm_suite::verdicts::observation::Response;
 use ptm_suite::verdicts::outcome::Outcome;
 
 use crate::in_process::{self, jobs, misreading, reference_answer, suite_of_small_files};
@@ -108,22 +109,27 @@ fn decoders_pass_under_each_listed_reading_and_the_reading_is_reported() {
     }
 }
 
-/// An image shows a reading only if another reading of the question gives another image.
+/// An image shows a reading only if another reading of the question gives another image. A refusal shows no spelling of a table.
 #[test]
 fn images_that_show_a_reading_depend_on_it() {
     let suite = suite_of_small_files();
-    let run = run(&suite, &["2.6", "2.9.2", "2.9.3"], reference_answer);
+    let run = run(&suite, &["2.5", "2.6", "2.9.2", "2.9.3"], reference_answer);
     let report = Report::new(&suite, &run, &[], Vec::new());
     let mut shown = 0;
     for followed in &report.dialect {
-        let Some(axis) = CHOICES.iter().position(|one| one.ruling == followed.ruling) else {
-            continue;
-        };
+        let axis = CHOICES.iter().position(|one| one.ruling == followed.ruling);
         for id in &followed.shown_by {
             let case = suite.cases.iter().position(|case| case.id == *id);
             let case = case.expect("a case");
+            let observation = run.observations[case].as_ref().expect("a response");
+            let is_image = matches!(observation.response, Response::Image { .. });
+            assert!(is_image, "{id} was not decoded");
+            let Some(axis) = axis else {
+                assert_eq!(suite.cases[case].spelling(), Some(run.table), "{id}");
+                continue;
+            };
             let file = suite.cases[case].make(TableSpelling::default());
-            let view = &run.observations[case].as_ref().expect("a response").view;
+            let view = &observation.view;
             let answers = CHOICES[axis].readings.iter().map(|(_, change)| {
                 let mut reading = Reading::SPEC;
                 change(&mut reading);

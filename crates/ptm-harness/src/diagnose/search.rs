@@ -4,6 +4,7 @@
 //! Once, if no single mistake reproduces enough, the set may grow by a pair.
 
 use std::borrow::Cow;
+use std::cmp::Reverse;
 use std::collections::{BTreeMap, HashMap, HashSet};
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -628,6 +629,18 @@ impl<'a> Search<'a> {
         left.iter().map(added).collect()
     }
 
+    /// Returns the number of received samples that `set` with `id` gives exactly, in the failures in `left` that it reproduces.
+    fn equal_samples(&self, set: &[MistakeId], id: MistakeId, left: &[usize]) -> usize {
+        let union = with_id(set, id);
+        let can_explain = |w: &&usize| self.can_explain(**w, id);
+        let effects = left
+            .iter()
+            .filter(can_explain)
+            .map(|&w| self.effect(w, &union));
+        let reproduced = effects.filter(|effect| effect.agreement.explains());
+        reproduced.map(|effect| effect.equal_samples).sum()
+    }
+
     /// Returns the candidate in `all` that is the best addition to `set`. Tries every candidate on the cases in `tried`, and
     /// removes the finalists from `all`.
     fn pick_best(&self, set: &MistakeSet, all: &mut MistakeSet, tried: &[usize]) -> Option<Member> {
@@ -674,9 +687,11 @@ impl<'a> Search<'a> {
             .enumerate()
             .map(|(index, added)| (added.iter().sum(), index))
             .collect();
+        // Of mistakes that reproduce the same colors up to rounding, the one that gives more of them exactly comes first.
+        let equal = self.par_map(finalists, |&id| self.equal_samples(set, id, &left));
         ranked.sort_by_key(|&(weight, index)| {
             let is_tested = self.tests_misread_clause(finalists[index]);
-            (-weight, !is_tested, index)
+            (-weight, !is_tested, Reverse(equal[index]), index)
         });
         let is_possible = |&&(weight, index): &&(i64, usize)| {
             weight >= MIN_WEIGHT && !self.is_contradicted_in(tried, set, finalists[index])

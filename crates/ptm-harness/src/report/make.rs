@@ -238,8 +238,7 @@ fn table_readings<C: TestCase>(suite: &Suite<C>, run: &RunOf<C>) -> Vec<Followed
             ruling: ruling.to_owned(),
             reading: reading.to_owned(),
             shown_by: passing_case_ids(suite, run, |i| {
-                let case = &suite.cases[i];
-                case.expect() == Expect::Spelling && case.ruling() == Some(ruling)
+                is_shown(i) && suite.cases[i].spelling() == Some(run.table)
             }),
         })
         .into()

@@ -39,7 +39,7 @@ const CONDITIONAL_FORMULAS: [Formula; 6] = [
 ];
 
 /// Edits that no operator generates: the name of the formula, and the expression.
-const FURTHER_EDITS: [(Formula, &str); 65] = [
+const FURTHER_EDITS: [(Formula, &str); 67] = [
     // The limits of a color are exchanged.
     (
         Formula::Rendering,
@@ -47,6 +47,15 @@ const FURTHER_EDITS: [(Formula, &str); 65] = [
     ),
     // A limited color is rounded down after one half is subtracted.
     (Formula::Rendering, "max(min(value, 255) - 1, 0)"),
+    // One is added to, or subtracted from, a color between the limits only.
+    (
+        Formula::Rendering,
+        "select(at_most(value, 0), 0, select(at_most(255, value), 255, value + 1))",
+    ),
+    (
+        Formula::Rendering,
+        "select(at_most(value, 0), 0, select(at_most(255, value), 255, max(value - 1, 0)))",
+    ),
     // A byte is signed.
     (Formula::ByteNumber, "mod(raw + 128, 256) - 128"),
     (Formula::ByteNumber, "mod(raw, 128)"),
