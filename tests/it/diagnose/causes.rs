@@ -211,7 +211,7 @@ final coefficient | (raw - bias[c + i / 6]) * scale[i] | any | bias[c + i / 6]
 final color | select(at_most(i, 0), (raw - bias[i]) * scale[i], raw) | any | ((raw - bias[i]) * scale[i] if i <= 0, else raw)
 number of a byte | mod(raw + 128, 256) - 128 | any | mod(raw + 128, 256) - 128 instead of raw
 float byte | select(at_most(3, k), 0, mod(floor(bits / power(2, 8 * k)), 256)) | any | byte k of a float && (0 if 3 <= k
-float byte | mod(floor(integer / power(2, 8 * k)), 256) | any | where integer is the final value without its fraction
+float byte | mod(floor(integer / power(2, 8 * k)), 256) | any | where integer is the float without its fraction
 float place | 3 * v | any | 3 * v instead of
 color place | t * 4 + k | any | t * 4 + k instead of
 color place | select(at_most(abs(t), 0), none, t * 3 + k) | any | (none if t = 0, else t * 3 + k)
@@ -715,6 +715,26 @@ fn mistake_is_named_in_addition_to_an_assumed_one() {
     assert_eq!(causes.len(), 1);
     assert_eq!(slugs(&causes[0]), ["u-and-v-exchanged"]);
     assert_eq!(causes[0].explains.len(), failures(&run).len());
+}
+
+/// Mistakes of which one changes some images only together with the other.
+#[test]
+fn mistakes_that_show_only_together_are_named() {
+    let suite = suite_of_small_files();
+    for pair in [
+        ["a0-a5-swapped", "rgb-coefficients-by-color"],
+        ["side-last-record-lost", "side-values-wrap-only"],
+    ] {
+        let pair = pair.map(misreading);
+        let (run, _) = run_with_mistakes(&suite, &pair, &[], jobs(), &HashMap::new());
+        let diagnoses = causes(&suite, &run);
+        println!(
+            "{}",
+            describe_result(&pair, failures(&run).len(), &diagnoses)
+        );
+        assert_eq!(count_named(&pair, &diagnoses), 2);
+        assert_eq!(false_causes(&pair, &diagnoses), [""; 0]);
+    }
 }
 
 #[test]

@@ -42,6 +42,8 @@ struct PrintedCause {
 /// The printed report on a decoder, and what is wrong with it.
 struct PrintedReport {
     text: String,
+    /// Rulings of the open questions whose answers the report states.
+    followed: Vec<String>,
     causes: Vec<PrintedCause>,
     problems: Vec<String>,
 }
@@ -102,6 +104,9 @@ fn printed_report<R: Into<Reply>>(
     });
     let mut printed = PrintedReport {
         text: report_to_text(&report, &texts, 0),
+        followed: (report.dialect.iter())
+            .map(|followed| followed.ruling.clone())
+            .collect(),
         causes: causes.collect(),
         problems: Vec::new(),
     };
@@ -1490,17 +1495,25 @@ fn coefficients_of_another_color_are_named() {
 // Statements about open questions
 
 /// In some lossless files, only intra-coded planes have records, so skipping these looks like skipping the records of lossless
-/// files. A decoder whose motion runs over the ends of rows follows no reading of the border.
+/// files. A decoder whose motion runs over the ends of rows follows no reading of the border, and one that ignores motion follows
+/// neither direction of it. A decoder that reads Cr and Cb as signed bytes does not use them as stored.
 #[test]
 fn a_reading_that_a_named_mistake_imitates_is_not_listed() {
-    let suite = cases(is_compressed);
-    for (slug, ruling) in [
-        ("side-information-of-intra-planes-ignored", "side-lossless"),
-        ("motion-runs-over-row-ends", "motion-border"),
+    let compressed = cases(is_compressed);
+    let lum = cases(|case| case.format() == Format::Lum);
+    for (suite, slug, ruling) in [
+        (
+            &compressed,
+            "side-information-of-intra-planes-ignored",
+            "side-lossless",
+        ),
+        (&compressed, "motion-runs-over-row-ends", "motion-border"),
+        (&compressed, "motion-ignored", "motion-vertical"),
+        (&lum, "chroma-signed", "lum-chroma"),
     ] {
         let mistake = misreading(slug);
-        let printed = printed_report(&suite, |request| answer_with(&[mistake], request));
-        assert!(!printed.dialect().contains(ruling), "{ruling}");
+        let printed = printed_report(suite, |request| answer_with(&[mistake], request));
+        assert!(!printed.followed.contains(&ruling.to_owned()), "{ruling}");
         printed.says(&[mistake.effect]).assert_true();
     }
 }
@@ -1810,5 +1823,26 @@ fn a_position_of_which_nothing_is_in_the_data_is_not_named() {
         }
     })
     .never_says("the decoder computes the ")
+    .assert_true();
+}
+
+/// The decoder shows the bottom row of the file in all rows, but reads all indices.
+#[test]
+fn refused_indices_in_rows_that_are_not_shown_contradict_no_order_of_rows() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| match reference_answer(request) {
+        Answer::Decoded(_) => answer_with_map(request.file, request.view, |ptm| {
+            let planes = &mut ptm.planes;
+            let row = planes.size.width as usize * planes.shape.channels();
+            let first = planes.samples[..row].to_vec();
+            planes
+                .samples
+                .chunks_exact_mut(row)
+                .for_each(|one| one.copy_from_slice(&first));
+        }),
+        answer => answer,
+    })
+    .says(&["computes the stored row of an image row as height - 1 instead of"])
+    .never_says("in files of format")
     .assert_true();
 }

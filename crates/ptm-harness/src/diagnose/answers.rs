@@ -9,7 +9,7 @@ use super::witness::{
     Agreement, Witness, applies_to_file, equal_up_to_rounding, is_after_decoding, is_same_value,
 };
 use ptm::{Ptm, Reading};
-use ptm_mistakes::formula::{self, Edit, Edits, Outside, final_values};
+use ptm_mistakes::formula::{self, Edit, Edits, Formula, Outside, final_values};
 use ptm_mistakes::{Change, Misreading, Stage};
 use ptm_suite::protocol::frame::{Answer, Frame, Samples, View};
 use ptm_suite::verdicts::observation::Response;
@@ -293,14 +293,15 @@ impl Witness<'_> {
 
     /// Returns true if the response can contradict `mistake`, whose answer agrees with it in this way.
     ///
-    /// A decoder may compare the size of the file with what the header requires before it computes positions, so its refusal of a
-    /// malformed file does not contradict an edited position. Nor does a wrong image where the position is outside the data: a decoder
-    /// may read there without noticing.
+    /// A decoder may compare the size of the file with what the header requires before it computes positions, and check texels that
+    /// it does not show, so its refusal of a file that the reference refuses does not contradict an edited position or order of texels. Nor does a wrong
+    /// image where the position is outside the data: a decoder may read there without noticing.
     pub fn can_contradict(&self, mistake: &Mistake, agreement: Agreement) -> bool {
         let is_refused = matches!(self.observation.response, Response::Rejected);
-        let is_malformed = is_refused && self.case.expect.is_refusal();
+        let is_refusable = is_refused && !matches!(self.expected, Answer::Decoded(_));
         let is_outside = self.failed && agreement == Agreement::Contradiction;
-        !(edits_position(mistake) && (is_malformed || is_outside))
+        !(edits_position(mistake) && (is_refusable || is_outside)
+            || edits_order_of_texels(mistake) && is_refusable)
     }
 
     /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a refusal.
@@ -308,6 +309,17 @@ impl Witness<'_> {
         let refused = !matches!(self.observation.response, Response::Image { .. });
         self.can_affect(mistake) && (!refused || mistake.misreading.may_refuse())
     }
+}
+
+/// Returns true if the mistake is an edit of the texel that is shown at a position of the image.
+fn edits_order_of_texels(mistake: &Mistake) -> bool {
+    let formulas = mistake.misreading.formulas();
+    let orders = [
+        Formula::StoredRow,
+        Formula::StoredColumn,
+        Formula::StoredTexel,
+    ];
+    formulas.iter().any(|formula| orders.contains(formula))
 }
 
 /// Returns true if the mistake is an edit of a position.

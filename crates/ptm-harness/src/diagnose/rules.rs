@@ -166,6 +166,8 @@ pub(super) fn refuses_no_image(search: &Search, id: MistakeId) -> bool {
             && witness.expected != Answer::Rejected
             && witness.can_affect(mistake)
             && *witness.answer(&[mistake]) == Answer::Rejected
+            && (witness.answer_in_other_reading(&[mistake]))
+                .is_none_or(|answer| answer == Answer::Rejected)
     };
     !search.witnesses.iter().any(is_refused)
 }

@@ -285,11 +285,20 @@ impl<'a> Search<'a> {
     /// Returns true if the response to case `w` contradicts the mistake `id` of a decoder that also makes the mistakes in `set`.
     pub fn is_contradicted(&self, w: usize, set: &[MistakeId], id: MistakeId) -> bool {
         let mistake = &self.mistakes[id];
-        self.witnesses[w].can_affect(mistake) && {
-            let (without, with) = (self.effect(w, set), self.effect(w, &with_id(set, id)));
+        let both = with_id(set, id);
+        let contradicts = |without: Effect, with: Effect| {
             self.witnesses[w].can_contradict(mistake, with.agreement)
                 && rules::contradicts(without, with)
-        }
+        };
+        // Mistakes that have an effect only in combination take long to try.
+        self.witnesses[w].can_affect(mistake)
+            && contradicts(self.effect(w, set), self.effect(w, &both))
+            && contradicts(self.whole_effect(w, set), self.whole_effect(w, &both))
+    }
+
+    /// Like [`effect`](Self::effect), but also of mistakes that have an effect only in combination.
+    fn whole_effect(&self, w: usize, set: &[MistakeId]) -> Effect {
+        self.combined_effect(w, self.relevant_ids(w, set))
     }
 
     /// Like [`agreement`](Self::agreement), but with one more mistake, which need not be a candidate.

@@ -109,7 +109,11 @@ impl Agreement {
 /// Returns a witness for every case that passed or failed, except cases with inconsistent responses or broken promises.
 pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, threads: usize) -> Vec<Witness<'a>> {
     let reading = dialect_reading(run);
-    let reference = reading_in_dialect(run, &CHOICES.reference());
+    let mut reference = reading_in_dialect(run, &CHOICES.reference());
+    let is_newline_guessed = run.table.newline && !run.shows_table_spelling(suite);
+    if is_newline_guessed {
+        reference.after_table = Reading::SPEC.after_table;
+    }
     // Inconsistent responses and broken promises are no evidence for a misreading.
     let consistent_observation = |case_index: usize| {
         let case = &suite.cases[case_index];
@@ -142,7 +146,8 @@ pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, threads: usize) -> V
         let counts = legal_files.get(&case.format()).copied();
         let [legal_files, inconclusive_files, inconsistent_files] = counts.unwrap_or_default();
         let expected = ptm_mistakes::answer(&[], reading, &built.file, &observation.view);
-        let depends = depends_on_dialect(case, &built, observation, run);
+        let depends = depends_on_dialect(case, &built, observation, run)
+            || is_newline_guessed && case.format().has_table();
         let other_reading = depends.then_some(reference);
         let twin_file = twin_file(suite, run, case, observation);
         Some(Witness {

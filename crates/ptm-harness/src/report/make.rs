@@ -224,22 +224,15 @@ fn table_readings<C: TestCase>(suite: &Suite<C>, run: &RunOf<C>) -> Vec<Followed
     ];
     let is_asked =
         |&i: &usize| suite.cases[i].expect() == Expect::Spelling && run.observations[i].is_some();
-    let is_shown = |i: usize| {
-        let seen = run.observations[i].as_ref();
-        let is_image = seen.is_some_and(|seen| matches!(seen.response, Response::Image { .. }));
-        is_image && is_asked(&i)
-    };
     let mut asked = (0..suite.cases.len()).filter(is_asked);
-    if asked.next().is_some() && !run.judgment.with_outcome(Outcome::Pass).any(is_shown) {
+    if asked.next().is_some() && !run.shows_table_spelling(suite) {
         return Vec::new();
     }
     readings
         .map(|(ruling, reading)| FollowedReading {
             ruling: ruling.to_owned(),
             reading: reading.to_owned(),
-            shown_by: passing_case_ids(suite, run, |i| {
-                is_shown(i) && suite.cases[i].spelling() == Some(run.table)
-            }),
+            shown_by: passing_case_ids(suite, run, |i| run.is_image_in_table_spelling(suite, i)),
         })
         .into()
 }

@@ -12,7 +12,7 @@ use crate::session::remark::Remark;
 use crate::session::sample::NotAsked;
 use crate::session::schedule::Requests;
 use crate::session::tally::Tally;
-use ptm_suite::cases::{Case, Expect, TableSpelling};
+use ptm_suite::cases::{Case, Expect, Suite, TableSpelling};
 use ptm_suite::compare::Difference;
 use ptm_suite::protocol::frame::{Frame, View};
 use ptm_suite::protocol::request::AttemptKind;
@@ -306,6 +306,26 @@ pub(super) fn all_unsupported_reason<'a, V: 'a, T: 'a, D: 'a>(
     let unsupported = |seen: &Observation<V, T, D>| matches!(seen.response, Response::Unsupported);
     (legal.peek().is_some() && legal.all(unsupported))
         .then(|| "it exits with 69 (unsupported) on every legal file".to_owned())
+}
+
+impl<V, T, D, F> Run<V, T, D, F> {
+    /// Returns true if the decoder reads a file that tests the spelling in which the suite sent tables. Otherwise, this spelling
+    /// is a guess.
+    pub(crate) fn shows_table_spelling<C: TestCase>(&self, suite: &Suite<C>) -> bool {
+        let mut passing = self.judgment.with_outcome(Outcome::Pass);
+        passing.any(|i| self.is_image_in_table_spelling(suite, i))
+    }
+
+    /// Returns true if case `i` tests the spelling in which the suite sent tables, and the response is an image.
+    pub(crate) fn is_image_in_table_spelling<C: TestCase>(
+        &self,
+        suite: &Suite<C>,
+        i: usize,
+    ) -> bool {
+        let response = self.observations[i].as_ref().map(|seen| &seen.response);
+        matches!(response, Some(Response::Image { .. }))
+            && suite.cases[i].spelling() == Some(self.table)
+    }
 }
 
 impl<V, T, D, F: Ord> Run<V, T, D, F> {

@@ -840,10 +840,13 @@ pub fn floats(values: Vec<f64>, edits: Edits) -> Vec<f64> {
     let mut bytes = vec![0; 4 * values.len()];
     for (v, &value) in values.iter().enumerate() {
         // A number outside the range becomes the smallest integer, as on x86.
-        let is_in_range = value.abs() < f64::from(1_u32 << 31);
-        let integer = if is_in_range { value as i32 } else { i32::MIN }.cast_unsigned();
-        let [bits, truncated] = [value, f64::from(integer.cast_signed())]
-            .map(|value| f64::from((value as f32).to_bits()));
+        let truncate = |value: f64| {
+            let is_in_range = value.abs() < f64::from(1_u32 << 31);
+            if is_in_range { value as i32 } else { i32::MIN }
+        };
+        let integer = truncate(f64::from(value as f32)).cast_unsigned();
+        let [bits, truncated] =
+            [value, f64::from(truncate(value))].map(|value| f64::from((value as f32).to_bits()));
         let place = edits.value(Formula::FloatPlace, &[v as f64], &[]);
         for (k, unedited) in (value as f32).to_le_bytes().into_iter().enumerate() {
             let k = k as f64;
