@@ -68,6 +68,18 @@ pub const CHANGES: Changes = |slug| {
                 _ => ptm::decode::indices::little_endian(stored),
             };
         }),
+        "index-bytes-signed" => Change::Reading(|r| {
+            r.index = |stored| {
+                let bytes = stored
+                    .iter()
+                    .rev()
+                    .map(|byte| isize::from(byte.cast_signed()));
+                // A negative index is past every table.
+                bytes
+                    .fold(0, |index, byte| 256 * index + byte)
+                    .cast_unsigned()
+            };
+        }),
         "index-one-based" => Change::Reading(|r| {
             r.entry = |index, entries| index.checked_sub(1).filter(|&index| index < entries);
         }),

@@ -1397,7 +1397,8 @@ fn values_that_only_the_frame_has_wrong_are_said_to_be_written_wrong() {
     };
     let without_third_byte: fn(f32) -> f32 = |value| f32::from_bits(value.to_bits() & 0xff00_ffff);
     let report = printed_report(&suite, |request| with_values(request, without_third_byte));
-    let report = report.says(&["although all colors under a light are correct"]);
+    let report = report
+        .says(&["although all colors under a light in the formats of these files are correct"]);
     let nan = printed_report(&suite, |request| with_values(request, |_| f32::NAN));
     assert_all_true([
         report.has_causes(1),
@@ -1714,7 +1715,7 @@ fn formats_of_files_that_need_not_be_decoded_are_those_of_these_files() {
     .assert_true();
 }
 
-/// The decoder refuses legal files with motion compensation, but reads such files that need not be decoded.
+/// The decoder refuses legal files with motion compensation in a predicted plane, but reads such files that need not be decoded.
 #[test]
 fn a_file_that_need_not_be_decoded_refutes_a_property() {
     let suite = cases(is_compressed);
@@ -1729,11 +1730,11 @@ fn a_file_that_need_not_be_decoded_refutes_a_property() {
             answer => answer,
         }
     })
-    .never_says("every legal file with motion compensation")
+    .never_says("every legal file with motion compensation in a predicted plane")
     .assert_true();
 }
 
-/// The decoder crashes on some files with motion compensation, and shows a wrong image of the others.
+/// The decoder crashes on some files with motion compensation in a predicted plane, and shows a wrong image of the others.
 #[test]
 fn crashes_and_wrong_images_of_files_with_one_property_are_one_cause() {
     let suite = cases(is_compressed);
@@ -1746,7 +1747,7 @@ fn crashes_and_wrong_images_of_files_with_one_property_are_one_cause() {
         Answer::Decoded(frame) if has_motion_compensation(request.file) => scrambled(frame),
         answer => answer,
     })
-    .says(&["every legal file with motion compensation (and "])
+    .says(&["every legal file with motion compensation in a predicted plane (and "])
     .has_causes(1)
     .assert_true();
 }
@@ -1844,5 +1845,40 @@ fn refused_indices_in_rows_that_are_not_shown_contradict_no_order_of_rows() {
     })
     .says(&["computes the stored row of an image row as height - 1 instead of"])
     .never_says("in files of format")
+    .assert_true();
+}
+
+/// The decoder crashes on every file that need not be decoded but has no fault. Such files have rulings instead.
+#[test]
+fn files_that_need_not_be_decoded_are_listed_by_their_rulings() {
+    let suite = cases(is_uncompressed);
+    let build = |case: &Case| case.build(TableSpelling::default()).file.clone();
+    let is_lenient = |case: &&Case| case.expect == Expect::Lenient && case.damage().is_none();
+    let lenient: Vec<Vec<u8>> = suite.cases.iter().filter(is_lenient).map(build).collect();
+    printed_report(&suite, |request| match reference_answer(request) {
+        _ if lenient.iter().any(|file| file == request.file) => {
+            Answer::Crashed("exit status 3".to_owned())
+        }
+        answer => answer,
+    })
+    .says(&[
+        "files that must or may be refused (",
+        "header-blanks; inner-line-end; ",
+    ])
+    .assert_true();
+}
+
+/// The decoder reads every version as 1.2. Files of version 1.1 need not be refused.
+#[test]
+fn faults_of_accepted_files_are_those_of_malformed_files() {
+    let suite = cases(|case| matches!(case.format(), Format::Lrgb | Format::Rgb));
+    printed_report(&suite, |request| {
+        let file = respelled(request.file, &["2.1/1"], |_| Some("PTM_1.2".to_owned()));
+        match ptm_mistakes::answer(&[], Reading::SPEC, request.file, request.view) {
+            Answer::Decoded(frame) => Answer::Decoded(frame),
+            _ => ptm_mistakes::answer(&[], Reading::SPEC, &file, request.view),
+        }
+    })
+    .never_says("the version is 1.1")
     .assert_true();
 }

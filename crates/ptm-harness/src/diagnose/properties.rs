@@ -332,7 +332,10 @@ fn prediction_properties(f: &File) -> [Property; 14] {
         ("2.9.5/4 with predicted planes", has(Compression::predicts)),
         ("2.9.2/1 with a transform other than 0", is_transformed),
         ("2.9.2/3 with inverted references", inverts),
-        ("2.9.2/4 with motion compensation", displaces),
+        (
+            "2.9.2/4 with motion compensation in a predicted plane",
+            displaces,
+        ),
         ("2.9.2/1 with a transform of 3", is_both),
         ("2.9.3/5 with references displaced by half texels", is_half),
         (

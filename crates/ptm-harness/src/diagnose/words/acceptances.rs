@@ -53,8 +53,19 @@ fn violated_rule<'w>(witness: &'w Witness<'_>) -> Option<&'w str> {
 pub(in crate::diagnose) fn describe_group(witnesses: &[Witness], cases: &[usize]) -> Diagnosis {
     let mut indices = cases.to_vec();
     rules::sort_smallest_first(witnesses, &mut indices);
+    // A lenient file may be listed with them, because the same misreading gives a wrong image of it. It has no fault.
+    indices.sort_by_key(|&w| witnesses[w].case.expect.is_optional());
+    let is_malformed = |w: &&usize| !witnesses[**w].case.expect.is_optional();
+    let malformed = match indices.iter().filter(is_malformed).count() {
+        0 => indices.len(),
+        count => count,
+    };
     let first = &witnesses[indices[0]];
-    let faults = faults(witnesses, &indices);
+    let faults = faults(witnesses, &indices[..malformed]);
+    let others = match indices.len() - malformed {
+        0 => String::new(),
+        count => format!(" (and {count} that need not be decoded)"),
+    };
     let its_fault = match faults.len() {
         1 => "with this fault",
         _ => "with the first of these faults",
@@ -63,7 +74,10 @@ pub(in crate::diagnose) fn describe_group(witnesses: &[Witness], cases: &[usize]
         format!(", which is the legal {twin} {its_fault}")
     });
     let text = CauseText {
-        effect: format!("accepts malformed files: {}", list_first(&faults, "fault")),
+        effect: format!(
+            "accepts malformed files: {}{others}",
+            list_first(&faults, "fault")
+        ),
         fix: "refuse these files with exit status 65".to_owned(),
         example: format!("for example {}{twin}", first.case.id),
     };

@@ -101,7 +101,7 @@ pub(in crate::diagnose) fn describe(
     wrong.retain(|_| cases.len() >= MIN_SHARING_FILES);
     let [effect, fix] = match step {
         Step::FinalValue if are_only_final_values_wrong(search, cases) => [
-            "shows wrong final values, although all colors under a light are correct",
+            "shows wrong final values, although all colors under a light in the formats of these files are correct",
             "compare the code that computes and writes the values of view coef with the code that computes colors; docs/protocol.md describes the bytes",
         ],
         Step::Stream => [wrong_planes(search, cases), effect_and_fix(step)[1]],

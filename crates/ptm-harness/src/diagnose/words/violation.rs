@@ -35,8 +35,14 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
 }
 
 fn describe_files(witnesses: &[Witness], group: &[usize], refuses: bool) -> String {
-    let faults = group.iter().map(|&w| fault_text(witnesses[w].case));
-    let mut faults: Vec<&str> = faults.collect();
+    // A lenient file without a fault is of the kind that its ruling is about.
+    let fault = |&w: &usize| match witnesses[w].case {
+        case if case.expect.is_optional() && case.damage().is_none() => {
+            case.ruling.as_deref().unwrap_or_else(|| fault_text(case))
+        }
+        case => fault_text(case),
+    };
+    let mut faults: Vec<&str> = group.iter().map(fault).collect();
     faults.sort_unstable();
     faults.dedup();
     let others = if refuses { "; it refuses others" } else { "" };
