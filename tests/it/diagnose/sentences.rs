@@ -1863,7 +1863,7 @@ fn files_that_need_not_be_decoded_are_listed_by_their_rulings() {
     })
     .says(&[
         "files that must or may be refused (",
-        "header-blanks; inner-line-end; ",
+        "ruling header-blanks; ruling inner-line-end; ",
     ])
     .assert_true();
 }
@@ -1880,5 +1880,21 @@ fn faults_of_accepted_files_are_those_of_malformed_files() {
         }
     })
     .never_says("the version is 1.1")
+    .assert_true();
+}
+
+/// The decoder computes colors of RGB from the wrong channels, and those of other formats correctly. With the same formula, all colors of
+/// these formats would come from outside the texel.
+#[test]
+fn correct_colors_contradict_channels_outside_the_texel() {
+    let suite = cases(is_uncompressed);
+    let edit = Edit::parse("channel of a coefficient", "c + 6 + i").expect("a formula");
+    let mistake = formula_misreading(vec![edit]);
+    printed_report(&suite, |request| match format_of(request) {
+        Some(Format::Rgb) => answer_with(&[&mistake], request),
+        _ => reference_answer(request),
+    })
+    .says(&["c + 6 + i instead of c * 6 + i", "in files of format RGB"])
+    .never_says("seen in files")
     .assert_true();
 }

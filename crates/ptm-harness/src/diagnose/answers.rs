@@ -166,12 +166,14 @@ impl Witness<'_> {
     }
 
     /// Returns the image of a decoder that, for some colors, takes values of a channel outside the texel. They may be anything, so
-    /// these colors are those of the response. `made` is the image of a decoder that takes those of another texel. Returns `None` if
+    /// these colors are those of a wrong image. `made` is the image of a decoder that takes those of another texel. Returns `None` if
     /// no edited channel is outside the texel, or if less than a third of the wrong samples are of other colors.
     pub fn answer_beyond_texel(&self, mistakes: &[&Mistake], made: &Answer) -> Option<Answer> {
         let (whole, partial) = self.in_scope(mistakes);
+        // Values from outside the texel do not make all colors correct.
+        let may_be_any = partial.is_empty() && self.failed;
         let (View::Rgb(_), true, Answer::Decoded(image)) =
-            (&self.observation.view, partial.is_empty(), made)
+            (&self.observation.view, may_be_any, made)
         else {
             return None;
         };

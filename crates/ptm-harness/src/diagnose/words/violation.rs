@@ -36,15 +36,18 @@ pub fn describe(witnesses: &[Witness], left: &mut Vec<usize>) -> Vec<Diagnosis> 
 
 fn describe_files(witnesses: &[Witness], group: &[usize], refuses: bool) -> String {
     // A lenient file without a fault is of the kind that its ruling is about.
-    let fault = |&w: &usize| match witnesses[w].case {
-        case if case.expect.is_optional() && case.damage().is_none() => {
-            case.ruling.as_deref().unwrap_or_else(|| fault_text(case))
+    let fault = |&w: &usize| {
+        let case = witnesses[w].case;
+        let is_kind = case.expect.is_optional() && case.damage().is_none();
+        match &case.ruling {
+            Some(ruling) if is_kind => format!("ruling {ruling}"),
+            _ => fault_text(case).to_owned(),
         }
-        case => fault_text(case),
     };
-    let mut faults: Vec<&str> = group.iter().map(fault).collect();
+    let mut faults: Vec<String> = group.iter().map(fault).collect();
     faults.sort_unstable();
     faults.dedup();
+    let faults: Vec<&str> = faults.iter().map(String::as_str).collect();
     let others = if refuses { "; it refuses others" } else { "" };
     let files = if group.len() == 1 { "file" } else { "files" };
     format!(
