@@ -9,6 +9,7 @@ use ptm_suite::choices::CHOICES;
 use ptm_suite::clauses::rulings;
 use ptm_suite::dialect::Axis;
 use ptm_suite::protocol::frame::Answer;
+use ptm_suite::verdicts::dialect::Certainty;
 use ptm_suite::verdicts::observation::Response;
 
 /// Returns the rulings of open questions whose readings the passing images do not show. Either a mistake in `set` violates the
@@ -33,8 +34,10 @@ pub(super) fn imitated_readings(
                 .any(|clause| clauses.contains(&clause.as_str()))
         })
     };
-    let axes = (0..CHOICES.len())
-        .filter(|&axis| is_misread(axis) || is_imitated(search, run, &mistakes, axis));
+    let settled =
+        (0..CHOICES.len()).filter(|&axis| run.judgment.certainties[axis] == Certainty::Settled);
+    let axes =
+        settled.filter(|&axis| is_misread(axis) || is_imitated(search, run, &mistakes, axis));
     let imitated = axes.map(|axis| CHOICES[axis].ruling);
     violated.chain(imitated).collect()
 }

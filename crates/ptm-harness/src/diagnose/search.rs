@@ -697,7 +697,11 @@ impl<'a> Search<'a> {
             .map(|(index, added)| (added.iter().sum(), index))
             .collect();
         // Of mistakes that reproduce the same colors up to rounding, the one that gives more of them exactly comes first.
-        let equal = self.par_map(finalists, |&id| self.equal_samples(set, id, &left));
+        let most = ranked.iter().map(|&(weight, _)| weight).max();
+        let equal = self.par_map(&ranked, |&(weight, index)| {
+            let is_tied = Some(weight) == most;
+            is_tied.then(|| self.equal_samples(set, finalists[index], &left))
+        });
         ranked.sort_by_key(|&(weight, index)| {
             let is_tested = self.tests_misread_clause(finalists[index]);
             (-weight, !is_tested, Reverse(equal[index]), index)
