@@ -296,14 +296,16 @@ impl Witness<'_> {
     /// Returns true if the response can contradict `mistake`, whose answer agrees with it in this way.
     ///
     /// A decoder may compare the size of the file with what the header requires before it computes positions, and check texels that
-    /// it does not show, so its refusal of a file that the reference refuses does not contradict an edited position or order of texels. Nor does a wrong
-    /// image where the position is outside the data: a decoder may read there without noticing.
+    /// it does not show, so its refusal of a file that the reference refuses does not contradict an edited position or order of
+    /// texels. Nor does a wrong image where the position is outside the data: a decoder may read there without noticing.
     pub fn can_contradict(&self, mistake: &Mistake, agreement: Agreement) -> bool {
         let is_refused = matches!(self.observation.response, Response::Rejected);
         let is_refusable = is_refused && !matches!(self.expected, Answer::Decoded(_));
         let is_outside = self.failed && agreement == Agreement::Contradiction;
-        !(edits_position(mistake) && (is_refusable || is_outside)
-            || edits_order_of_texels(mistake) && is_refusable)
+        let is_position = edits_position(mistake);
+        let is_neutral = is_refusable && (is_position || edits_order_of_texels(mistake))
+            || is_outside && is_position;
+        !is_neutral
     }
 
     /// Returns true if `mistake` can explain the response. A mistake that only changes values cannot explain a refusal.

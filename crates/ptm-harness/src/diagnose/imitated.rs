@@ -46,7 +46,7 @@ pub(super) fn imitated_readings(
 /// show the decoder's reading.
 fn is_imitated(search: &Search, run: &Run, mistakes: &[&Mistake], axis: Axis) -> bool {
     let dialect = inferred_dialect(run);
-    let others = (0..CHOICES[axis].readings.len()).filter(|&other| other != dialect.0[axis]);
+    let mut others = (0..CHOICES[axis].readings.len()).filter(|&other| other != dialect.0[axis]);
     let gives_same_images = |other: usize| {
         let mut dialect = dialect.clone();
         dialect.0[axis] = other;
@@ -74,5 +74,5 @@ fn is_imitated(search: &Search, run: &Run, mistakes: &[&Mistake], axis: Axis) ->
         });
         shown.next() == Some(false) && shown.all(|is_shown| !is_shown)
     };
-    !mistakes.is_empty() && others.into_iter().any(gives_same_images)
+    !mistakes.is_empty() && others.any(gives_same_images)
 }
