@@ -1693,6 +1693,54 @@ fn a_failure_without_a_message_belongs_to_the_files_with_the_same_property() {
     .assert_true();
 }
 
+/// The decoder overwrites memory for some files. The C library notices this in different ways.
+#[test]
+fn crashes_of_the_heap_are_one_cause() {
+    let suite = cases(|case| case.format() == Format::Lrgb && case.expect == Expect::Decode);
+    printed_report(&suite, |request| {
+        let messages = [
+            "free(): invalid next size (fast)",
+            "malloc(): corrupted top size",
+            "corrupted size vs. prev_size",
+        ];
+        match reference_answer(request) {
+            Answer::Decoded(_) if request.file.len() % 7 == 0 => Reply {
+                stderr: messages[request.file.len() % 3].to_owned(),
+                ..Answer::Crashed("killed by signal 6".to_owned()).into()
+            },
+            answer => answer.into(),
+        }
+    })
+    .has_causes(1)
+    .assert_true();
+}
+
+/// Texels are moved if there are three or more and no scale is small. Final values are rounded to three decimals.
+#[test]
+fn small_errors_of_final_values_are_no_wrong_stored_values() {
+    let suite = cases(|case| case.format() == Format::Lrgb);
+    printed_report(&suite, |request| {
+        let mut answer = answer_with_map(request.file, request.view, |ptm| {
+            let by = ptm.planes.shape.channels() + 1;
+            if ptm.planes.samples.len() > 2 * by
+                && ptm.header.scale_bias.scale.iter().all(|&scale| scale > 0.1)
+            {
+                ptm.planes.samples.rotate_left(by);
+            }
+        });
+        if let Answer::Decoded(frame) = &mut answer
+            && let Samples::F32(values) = &mut frame.samples
+        {
+            for value in values {
+                *value = (*value * 1000.0).round() / 1000.0;
+            }
+        }
+        answer
+    })
+    .says(&["shows wrong final values", "received 4.063"])
+    .assert_true();
+}
+
 /// The decoder scrambles stored values in legal files of RGB, and in files of other formats that need not be decoded.
 #[test]
 fn formats_of_files_that_need_not_be_decoded_are_those_of_these_files() {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{rules, witness::Witness};
 use ptm_mistakes::{Change, Misreading};
+use ptm_suite::cases::Case;
 
 /// A cause and the cases that it explains.
 pub struct Diagnosis<A: 'static = Change> {
@@ -134,7 +135,8 @@ impl Diagnosis {
         text: CauseText,
         clause: Option<&str>,
     ) -> Diagnosis {
-        let clause = rules::common_clause(witnesses, cases, clause);
+        let judged: Vec<&Case> = cases.iter().map(|&w| witnesses[w].case).collect();
+        let clause = rules::common_clause(&judged, clause);
         let cause = Cause::Described {
             category,
             clause: clause.map(str::to_owned),

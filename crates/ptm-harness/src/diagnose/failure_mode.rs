@@ -119,10 +119,28 @@ impl FailureMode {
 /// Prefix of the error in one of several malformed frames, or of one of several exceptions.
 const FOR_EXAMPLE: &str = "for example, ";
 
+/// Starts of the messages with which glibc ends a program that has overwritten the memory of its heap. Which one depends on chance.
+const HEAP_MESSAGES: [&str; 11] = [
+    "corrupted double-linked list",
+    "corrupted size vs. prev_size",
+    "corrupted unsorted chunks",
+    "double free or corruption",
+    "free(): ",
+    "malloc(): ",
+    "malloc_consolidate(): ",
+    "munmap_chunk(): ",
+    "realloc(): ",
+    "unaligned fastbin chunk",
+    "unaligned tcache chunk",
+];
+
 /// Returns the form of the last message on standard error, or an empty string if there is none. Messages with the same form differ
-/// only in numbers and quotations.
+/// only in numbers and quotations, or all say that the heap was overwritten.
 pub(super) fn message_form(stderr: &str) -> String {
     let message = last_message(stderr).unwrap_or_default();
+    if HEAP_MESSAGES.iter().any(|start| message.starts_with(start)) {
+        return "the heap was overwritten".to_owned();
+    }
     let unquoted = message
         .trim_start_matches(FOR_EXAMPLE)
         .split(['"', '\'', '`'])

@@ -193,6 +193,7 @@ impl<'a> Family<'a> {
                 let mut step = self.step_in_view(w, alone);
                 if step >= Step::FinalValue
                     && !(is_color_wrong && witness.is_rgb())
+                    && !are_stored_values_as_expected(self.search, self.set, w)
                     && let Some(earlier) = self.explaining_view(index)
                 {
                     let mut before = known[earlier].iter().rev();
@@ -286,6 +287,23 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize, with_order: bo
         // A later step may explain the wrong samples of a stream.
         _ => plain,
     }
+}
+
+/// Returns true if wrong final values cannot result from wrong stored values: each is off by less than half of what another byte
+/// would change.
+fn are_stored_values_as_expected(search: &Search, set: &[MistakeId], w: usize) -> bool {
+    let pair = image_pair(search, set, w).filter(|pair| pair.view == ViewKind::Coef);
+    let (Some(pair), Ok(ptm)) = (pair, search.witnesses[w].decoded()) else {
+        return false;
+    };
+    let polynomials = if pair.channels == 18 { 18 } else { 6 };
+    let step = |channel: usize| match channel < polynomials {
+        true => ptm.header.scale_bias.scale[channel % 6].abs(),
+        false => 1.0,
+    };
+    let is_small =
+        |i: usize| (pair.received[i] - pair.expected[i]).abs() < step(i % pair.channels) / 2.0;
+    pair.wrong_samples().into_iter().all(is_small)
 }
 
 /// Returns true if wrong final values must result from wrong stored values: each final value corresponds to a byte, but in some

@@ -11,7 +11,7 @@ use super::witness::{Agreement, Witness};
 use super::words::refusals::files_read;
 use ptm_mistakes::formula::{EditedForm, Formula};
 use ptm_mistakes::{Change, Misreading, Symptom};
-use ptm_suite::cases::Expect;
+use ptm_suite::cases::{Case, Expect};
 use ptm_suite::protocol::frame::{Answer, ViewKind};
 use ptm_suite::verdicts::observation::Response;
 
@@ -286,17 +286,13 @@ pub(super) fn sort_smallest_first(witnesses: &[Witness], cases: &mut [usize]) {
 /// *The clause of a description is one that all its files test.*
 ///
 /// Returns `preferred` if all of these cases test it, or else the first clause that all of them test, if any.
-pub(super) fn common_clause<'a>(
-    witnesses: &'a [Witness],
-    cases: &[usize],
-    preferred: Option<&'a str>,
-) -> Option<&'a str> {
-    let clauses = |w: usize| witnesses[w].case.clauses.iter().map(String::as_str);
+pub(super) fn common_clause<'a>(cases: &[&'a Case], preferred: Option<&'a str>) -> Option<&'a str> {
+    let clauses = |case: &'a Case| case.clauses.iter().map(String::as_str);
     let is_common = |clause: &&str| {
-        let tests = |&w: &usize| clauses(w).any(|other| other == *clause);
-        cases.iter().all(tests)
+        let tests = |case| clauses(case).any(|other| other == *clause);
+        cases.iter().copied().all(tests)
     };
-    let mut first = clauses(*cases.first()?);
+    let mut first = clauses(cases.first()?);
     preferred
         .filter(is_common)
         .or_else(|| first.find(is_common))

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 
 use crate::diagnose::diagnosis::{Category, Cause, Diagnosis};
+use crate::diagnose::rules;
 use crate::diagnose::witness::breaks_promise;
 use crate::session::run::Run;
-use ptm_suite::cases::Suite;
+use ptm_suite::cases::{Case, Suite};
 
 /// Describes all declared formats that the decoder does not read.
 pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosis> {
@@ -15,15 +16,15 @@ pub(in crate::diagnose) fn describe(suite: &Suite, run: &Run) -> Option<Diagnosi
             && observation.is_some_and(|seen| breaks_promise(run, &suite.cases[index], seen))
     };
     let indices: Vec<usize> = (0..suite.cases.len()).filter(is_broken).collect();
-    let first = &suite.cases[*indices.first()?];
-    let formats = indices
-        .iter()
-        .map(|&index| suite.cases[index].format().short_name());
+    let cases: Vec<&Case> = indices.iter().map(|&index| &suite.cases[index]).collect();
+    let first = cases.first()?;
+    let clause = rules::common_clause(&cases, Some("2.2/1"));
+    let formats = cases.iter().map(|case| case.format().short_name());
     let formats: Vec<&str> = formats.collect::<BTreeSet<_>>().into_iter().collect();
     Some(Diagnosis::new(
         Cause::Described {
             category: Category::Refusal,
-            clause: Some("2.2/1".to_owned()),
+            clause: clause.map(str::to_owned),
             effect: format!(
                 "exits with 69 (unsupported) on {} files, although its capabilities declare their formats: {}",
                 indices.len(),
