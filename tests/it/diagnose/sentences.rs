@@ -1715,6 +1715,29 @@ fn crashes_of_the_heap_are_one_cause() {
     .assert_true();
 }
 
+/// The decoder scales the first channel after a5 in view coef, which is R or Cr.
+#[test]
+fn channels_with_different_names_are_described_by_their_place() {
+    let suite = cases(|case| case.format() != Format::Rgb && is_uncompressed(case));
+    printed_report(&suite, |request| {
+        let mut answer = reference_answer(request);
+        if let Answer::Decoded(frame) = &mut answer
+            && let (Samples::F32(values), channels) = (&mut frame.samples, frame.channels)
+        {
+            for value in values.iter_mut().skip(6).step_by(channels as usize) {
+                *value = (*value - 3.0) * 1.25;
+            }
+        }
+        answer
+    })
+    .says(&[
+        "shows wrong final values",
+        "only in the first channel after a5",
+    ])
+    .has_causes(1)
+    .assert_true();
+}
+
 /// Texels are moved if there are three or more and no scale is small. Final values are rounded to three decimals.
 #[test]
 fn small_errors_of_final_values_are_no_wrong_stored_values() {

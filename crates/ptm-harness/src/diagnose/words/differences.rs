@@ -1,6 +1,6 @@
 //! Describes wrong images with an unknown cause: the step at which values first differ, the channels and files, and one example.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::Range;
 
@@ -130,11 +130,12 @@ pub(in crate::diagnose) fn describe(
         ),
         (None, None) => (
             format!(
-                "{effect}{}{}{}{}{}",
+                "{effect}{}{}{}{}{}{}",
                 shape_text(search, set, step, cases),
                 value_text(search, cases),
                 source_text(search, cases),
                 channel_text(search, cases, &wrong),
+                common_channel_text(search, set, cases),
                 texel_text(search, cases)
             ),
             fix,
@@ -475,6 +476,37 @@ fn channel_text(search: &Search, cases: &[usize], wrong: &[bool]) -> String {
             subset => subset.describe(),
         },
     }
+}
+
+/// Returns text such as ", only in the first channel after a5" for images of 8 and of 9 channels. Only a0 to a5 have the same names in
+/// both. As in [`channel_text`], the text is empty if mistakes that were found may affect other channels.
+fn common_channel_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
+    let wrong = |set: &[MistakeId]| -> BTreeMap<usize, BTreeSet<usize>> {
+        let pairs: Vec<ImagePair> = cases
+            .iter()
+            .filter_map(|&w| image_pair(search, set, w))
+            .collect();
+        let first = pairs.iter().map(|pair| pair.view).min();
+        let mut wrong: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+        for pair in pairs.iter().filter(|pair| Some(pair.view) == first) {
+            let samples = pair.wrong_samples().into_iter();
+            wrong
+                .entry(pair.channels)
+                .or_default()
+                .extend(samples.map(|i| i % pair.channels));
+        }
+        wrong
+    };
+    let by_count = wrong(&[]);
+    if cases.len() < MIN_SHARING_FILES || !by_count.keys().eq(&[8, 9]) || wrong(set) != by_count {
+        return String::new();
+    }
+    let channels: BTreeSet<usize> = by_count.into_values().flatten().collect();
+    if channels.iter().eq(&[6]) {
+        return ", only in the first channel after a5".to_owned();
+    }
+    let flags: Vec<bool> = (0..9).map(|channel| channels.contains(&channel)).collect();
+    ChannelSubset::smallest_containing(&flags).describe()
 }
 
 /// A place in an image: its name, and the condition that a texel at (x, y) of a w × h image is there.
