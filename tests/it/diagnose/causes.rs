@@ -130,6 +130,31 @@ fn mistake_in_one_channel_names_the_channel() {
     }
 }
 
+/// The polynomial of blue begins one channel early, and side information corrects residuals.
+#[test]
+fn mistake_in_one_channel_of_some_formats_is_named_beside_another() {
+    let corrects_residuals = misreading("side-information-before-prediction");
+    let edit = Edit::parse("channel of a coefficient", "c * 6 + i - 1").expect("an edit");
+    let early = formula_misreading(vec![edit]);
+    let causes = diagnose_faulty_decoder(&suite_of_small_files(), |request, _| {
+        let mut answer = answer_with(&[corrects_residuals], request);
+        let early = answer_with(&[corrects_residuals, &early], request);
+        if let (Answer::Decoded(frame), Answer::Decoded(early)) = (&mut answer, early)
+            && frame.view == ViewKind::Rgb
+            && request.file.windows(4).any(|word| word == b"_RGB")
+            && let (Samples::U8(colors), Samples::U8(early)) = (&mut frame.samples, early.samples)
+        {
+            let blue = colors.iter_mut().zip(early).skip(2).step_by(3);
+            blue.for_each(|(color, early)| *color = early);
+        }
+        answer
+    });
+    for part in ["c * 6 + i - 1", "side-information-before-prediction"] {
+        let is_named = causes.iter().any(|cause| cause.contains(part));
+        assert!(is_named, "{causes:#?}");
+    }
+}
+
 /// A decoder that lacks a format may refuse some files in that format before it reads the format name.
 #[test]
 fn undecoded_format_is_unsupported_despite_refusals() {

@@ -1693,6 +1693,39 @@ fn a_failure_without_a_message_belongs_to_the_files_with_the_same_property() {
     .assert_true();
 }
 
+/// The mean of two texels is rounded down, as in a permitted reading, but that of four is not. In that reading, another sample is wrong
+/// first.
+#[test]
+fn example_of_a_mistake_is_a_sample_that_it_changes() {
+    let suite = cases(is_compressed);
+    let edit = Edit::parse("mean of two", "floor((a + b) / 2)").expect("an edit");
+    let mistake = formula_misreading(vec![edit]);
+    printed_report(&suite, |request| answer_with(&[&mistake], request))
+        .says(&[
+            "floor((a + b) / 2) instead of floor((a + b + 1) / 2)",
+            "motion-in-structure-deep-jpegls-lrgb, texel (2, 4), a4: received 136, expected 137;",
+        ])
+        .assert_true();
+}
+
+/// The cause in the README is the one that `check` prints.
+#[test]
+fn failing_run_in_the_readme_is_printed() {
+    let big_endian = misreading("big-endian-index");
+    let report = printed_report(&cases(|_| true), |request| {
+        answer_with(&[big_endian], request)
+    });
+    let readme = include_str!("../../../README.md");
+    let block = readme
+        .split("\n\n")
+        .find(|block| block.contains("of 66 failures"));
+    for line in block.expect("a cause").lines().map(str::trim) {
+        // This suite has fewer files.
+        let line = line.trim_start_matches("66 of 66 ");
+        assert!(report.text.contains(line), "{line}\n{}", report.text);
+    }
+}
+
 /// The decoder overwrites memory for some files. The C library notices this in different ways.
 #[test]
 fn crashes_of_the_heap_are_one_cause() {

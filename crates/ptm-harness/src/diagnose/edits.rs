@@ -48,9 +48,16 @@ pub(super) fn add_candidates(search: &mut Search, set: &MistakeSet, left: &[usiz
     let mut candidates = matching_edits(search, set, &probes);
     let tables = learned::learn_tables(search, set, left).into_iter();
     candidates.extend(tables.map(Mistake::unrestricted));
+    candidates.append(&mut search.weak_edits);
     let restricted = search.par_map(&candidates, |mistake| restrict(search, set, mistake, left));
-    for mistake in restricted.into_iter().flatten() {
-        search.add(mistake);
+    for (candidate, restricted) in candidates.into_iter().zip(restricted) {
+        match restricted {
+            Some(mistake) => {
+                search.add(mistake);
+            }
+            None if candidate.channels != ChannelSubset::All => search.weak_edits.push(candidate),
+            None => {}
+        }
     }
     add_restricted_misreadings(search, set, left);
 }

@@ -50,6 +50,8 @@ pub(super) struct Search<'a> {
     clauses: HashSet<&'a str>,
     /// Failing files on which every edit was tried, each with the mistakes in effect at the time.
     probed_files: HashSet<(usize, MistakeSet)>,
+    /// Edits of some channels that did not explain enough. They are tried again when other mistakes are known.
+    pub weak_edits: Vec<Mistake>,
     /// Effects of sets of mistakes, by case and by the mistakes that affect the case.
     effects: Mutex<HashMap<(usize, MistakeSet), Effect>>,
     /// Effect of each single mistake on each case, or `None` if the mistake does not change the answer.
@@ -123,6 +125,7 @@ impl<'a> Search<'a> {
             work: &run.work,
             answer_count: AtomicUsize::new(0),
             probed_files: HashSet::new(),
+            weak_edits: Vec::new(),
             effects: Mutex::new(HashMap::new()),
         }
     }

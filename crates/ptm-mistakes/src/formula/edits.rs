@@ -745,17 +745,17 @@ fn change_loops(node: &Expression, _: Scope) -> Vec<Expression> {
         let reversed = Expression::Sum(vec![radix.clone(), number(-1.0), negate(digit)]);
         all.push(with_digit(index, reversed, radix.clone()));
         if index > 0 {
-            // One product of the nested loops is a sum.
-            let sum = vec![
-                Expression::Address(digits[..index].to_vec()),
-                radix.clone(),
-                digit.clone(),
+            // One product of the nested loops is a sum, or is left out.
+            let outer = Expression::Address(digits[..index].to_vec());
+            let sums = [
+                vec![outer.clone(), radix.clone(), digit.clone()],
+                vec![outer, digit.clone()],
             ];
-            let outer = (Expression::Sum(sum), radix.clone());
-            let inner = digits[index + 1..].iter().cloned();
-            all.push(Expression::Address(
-                [outer].into_iter().chain(inner).collect(),
-            ));
+            all.extend(sums.map(|sum| {
+                let outer = (Expression::Sum(sum), radix.clone());
+                let inner = digits[index + 1..].iter().cloned();
+                Expression::Address([outer].into_iter().chain(inner).collect())
+            }));
             let multiples = match radix {
                 Expression::Number(_) => &[][..],
                 _ => &[4.0, 8.0, 2.0],
@@ -952,7 +952,7 @@ mod tests {
 
     #[test]
     fn ordinary_mistakes_are_generated() {
-        use Formula::{Color, FinalCoefficient, LumSample, Plane, Predictor, StoredRow};
+        use Formula::{Color, FinalCoefficient, IndexByte, LumSample, Plane, Predictor, StoredRow};
         for (formula, expected) in [
             (FinalCoefficient, "(raw + bias[i]) * scale[i]"),
             (FinalCoefficient, "(raw - bias[i]) * scale[mod(i + 1, 6)]"),
@@ -963,6 +963,8 @@ mod tests {
             (StoredRow, "y"),
             (StoredRow, "width - 1 - y"),
             (LumSample, "(i * height + row) * width + x"),
+            (LumSample, "row * width + x + i"),
+            (IndexByte, "entries * size + (row * width + x + k)"),
             (Plane, "mod(residual + predictor - 128, 255)"),
             (Predictor, "invert(displace(reference))"),
             (Predictor, "displace(invert(coded))"),

@@ -1,5 +1,6 @@
 //! Describes wrong images with an unknown cause: the step at which values first differ, the channels and files, and one example.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::ops::Range;
@@ -554,36 +555,56 @@ fn texel_text(search: &Search, cases: &[usize]) -> String {
 fn example(search: &Search, set: &[MistakeId], w: usize) -> String {
     let pair = (!set.is_empty()).then(|| image_pair(search, set, w));
     let open = pair.flatten().map(|pair| pair.wrong_samples());
-    describe_sample(search, w, &open.unwrap_or_default())
+    describe_sample(search, w, &open.unwrap_or_default(), None)
 }
 
-/// Describes the first wrong sample in a file that a mistake changes.
+/// Describes the first wrong sample in a file that a mistake changes. If the mistake is found in the reference's reading only, so are the
+/// expected values.
 pub(in crate::diagnose) fn example_of_mistake(
     search: &Search,
     set: &MistakeSet,
     id: MistakeId,
     w: usize,
 ) -> String {
-    let (with, without) = (
-        search.best_answer(w, set),
-        search.best_answer(w, &without_id(set, id)),
-    );
-    let changed: Vec<usize> = match (&*with, &*without) {
-        (Answer::Decoded(with), Answer::Decoded(without)) => {
+    let witness = &search.witnesses[w];
+    let other = |set: &[MistakeId]| witness.answer_in_other_reading(&search.mistakes_in(set));
+    let others = without_id(set, id);
+    let with = search.best_answer(w, set);
+    let is_other_reading =
+        other(set).as_ref() == Some(&*with) && *witness.answer(&search.mistakes_in(set)) != *with;
+    let (without, right) = match is_other_reading {
+        true => (other(&others).map(Cow::Owned), other(&[])),
+        false => (Some(search.best_answer(w, &others)), None),
+    };
+    let changed: Vec<usize> = match (&*with, without.as_deref()) {
+        (Answer::Decoded(with), Some(Answer::Decoded(without))) => {
             let samples = 0..with.samples.len().min(without.samples.len());
             let differs = |&i: &usize| with.samples.real(i) != without.samples.real(i);
             samples.filter(differs).collect()
         }
         _ => Vec::new(),
     };
-    describe_sample(search, w, &changed)
+    describe_sample(search, w, &changed, right.as_ref())
 }
 
-/// Describes the first wrong sample, one of `preferred` if possible. The expected values are those of the file, without mistakes.
-fn describe_sample(search: &Search, w: usize, preferred: &[usize]) -> String {
+/// Describes the first wrong sample, one of `preferred` if possible. The expected values are those of the file, without mistakes: in the
+/// decoder's dialect or, if it is given, in the answer `right`.
+fn describe_sample(
+    search: &Search,
+    w: usize,
+    preferred: &[usize],
+    right: Option<&Answer>,
+) -> String {
     let witness = &search.witnesses[w];
     let id = &witness.case.id;
-    let first = image_pair(search, &[], w).and_then(|pair| {
+    let pair = match right {
+        Some(Answer::Decoded(right)) => {
+            let received = witness.wrong_image();
+            received.and_then(|received| ImagePair::new(witness, right, received))
+        }
+        _ => image_pair(search, &[], w),
+    };
+    let first = pair.and_then(|pair| {
         let first = first_wrong(&pair, witness, preferred)?;
         Some((pair, first))
     });
@@ -597,19 +618,14 @@ fn describe_sample(search: &Search, w: usize, preferred: &[usize]) -> String {
         "for example {id}, texel ({x}, {y}), {}: received {received}, expected {expected}",
         channel_name(pair.channels, channel),
     );
-    text.extend(
-        witness
-            .own_readings
-            .iter()
-            .map(|readings| format!(" {readings}")),
-    );
+    let own_readings = witness.own_readings.iter().filter(|_| right.is_none());
+    text.extend(own_readings.map(|readings| format!(" {readings}")));
     let is_limited =
         pair.view == ViewKind::Rgb && (pair.expected[i] <= 0.0 || pair.expected[i] >= 255.0);
     let limited = is_limited.then_some(", limited to 0…255");
     let limited = limited.unwrap_or_default();
-    text.extend(
-        format_arithmetic(witness, texel, channel).map(|steps| format!(" = {steps}{limited}")),
-    );
+    let steps = format_arithmetic(witness, texel, channel).filter(|_| right.is_none());
+    text.extend(steps.map(|steps| format!(" = {steps}{limited}")));
     if pair.view != ViewKind::Rgb
         && let Ok(ptm) = witness.decoded()
     {
