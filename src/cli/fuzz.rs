@@ -21,6 +21,9 @@ use ptm_suite::cases::{Suite, TableSpelling};
 use ptm_suite::protocol::frame::ViewKind;
 use ptm_suite::protocol::request::Request;
 
+/// Number of calls if neither this number nor the time is limited.
+const DEFAULT_EXECUTIONS: usize = 20_000;
+
 /// Template of a progress bar that counts calls.
 pub const CALLS_TEMPLATE: &str = "{bar:40} {pos}/{len} calls {elapsed}";
 
@@ -39,9 +42,9 @@ pub struct FuzzArgs {
     /// Random seed; the same seed generates the same files.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
-    /// Stop after about this many calls.
-    #[arg(long, value_name = "N", default_value_t = 20_000)]
-    executions: usize,
+    /// Stop after about this many calls [default: 20000, or no limit with --seconds].
+    #[arg(long, value_name = "N")]
+    executions: Option<usize>,
     /// Stop generating files after this many seconds; reducing a finding may take longer.
     #[arg(long, value_name = "SECONDS")]
     seconds: Option<f64>,
@@ -74,9 +77,11 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
     let scratch = &guarded.scratch;
     let declared = decoder.capabilities(scratch).unwrap_or_default();
     let serves = declared.serves && !args.one_shot;
+    let default_executions = args.seconds.is_none().then_some(DEFAULT_EXECUTIONS);
+    let executions = args.executions.or(default_executions);
     let plan = FuzzPlan {
         seed: args.seed,
-        executions: args.executions,
+        executions: executions.unwrap_or(usize::MAX),
         jobs: jobs(args.call.limits.jobs)?,
         views: args.views.clone(),
         declared,
@@ -91,7 +96,10 @@ pub fn run(args: &FuzzArgs) -> CommandResult {
             stop.store(true, Ordering::Relaxed);
         });
     }
-    let bar = bar(Some(args.executions as u64), CALLS_TEMPLATE);
+    let bar = match executions {
+        Some(count) => bar(Some(count as u64), CALLS_TEMPLATE),
+        None => bar(None, "{pos} calls {elapsed}"),
+    };
     let servers = Servers::new(&decoder, scratch, plan.jobs);
     let ask = |request: &Request<'_>, job: usize| {
         let reply = match serves {

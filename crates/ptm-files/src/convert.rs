@@ -177,7 +177,7 @@ fn samples(ptm: &Ptm, target: Format) -> Result<Vec<u8>> {
             Ok(ptm.planes.samples.clone())
         }
         (Shape::Lum(_), _) => Error::impossible(format!(
-            "cannot convert {source} to {target}: the colors of LUM can be read in several ways (rulings lum-vector, lum-major, lum-range), so no other format can represent all of them"
+            "cannot convert {source} to {target}: the colors of LUM can be read in several ways (rulings lum-vector, lum-major, lum-range, lum-chroma, lum-clamp), so no other format can represent all of them"
         )),
         (_, Shape::Lum(())) => Error::impossible(format!(
             "cannot convert {source} to {target}: conversion to Y, Cr and Cb always loses precision"

@@ -87,7 +87,7 @@ fn the_failing_run_in_the_readme_adds_up() {
         number.parse().unwrap_or_else(|_| panic!("{number:?}"))
     };
     let [passed, failed, inconclusive] =
-        [" pass, ", " fail, ", " inconclusive correctness "].map(number_before);
+        [" pass, ", " fail, ", " inconclusive: the valid twin"].map(number_before);
     assert_eq!(passed + failed + inconclusive, suite.cases.len());
     assert!(text.contains(&format!("{failed} of {failed} failures")));
     assert!(text.contains(&format!("correctness {passed}/{}", passed + failed)));
