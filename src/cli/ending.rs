@@ -51,7 +51,7 @@ pub struct OutputArgs {
     /// program is not a decoder.
     #[arg(long, value_name = "FILE")]
     write_baseline: Option<PathBuf>,
-    /// Number of failures to print in full; the report contains all of them.
+    /// Number of failures without a cause to print in full; below a cause, one or two are printed. The report contains all of them.
     #[arg(long, value_name = "N", default_value_t = 10)]
     show: usize,
     /// List the N slowest cases, with the wall-clock time of all requests for each.

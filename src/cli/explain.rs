@@ -205,7 +205,7 @@ fn explain_reader(profile: &ReaderProfile) -> String {
         let _ = writeln!(unusual, "  {shows} files {files}{formats} ({evidence})");
     }
     format!(
-        "reader {name}: {reader}{title}\n  reads: {}\n  misreadings: {}\n{unusual}  Predictions: ptm-conform lint --for {name} FILE\n",
+        "reader {name}: {reader}{title}\n  shows files of {}\n  misreadings: {}\n{unusual}  Predictions: ptm-conform lint --for {name} FILE\n",
         profile.formats.join(", "),
         misreadings.collect::<Vec<_>>().join(", ")
     )
@@ -285,13 +285,10 @@ fn explain_rules<C: Listed>(
         text += &page_line(pages.clause_page(id).filter(|_| clause.id == id));
     }
     for ruling in rulings.iter().filter(|ruling| ruling.id == id) {
-        let kind = match is_ptm {
-            true => format!("{:?}", ruling.kind),
-            false => ruling.kind.name().to_owned(),
-        };
         let _ = writeln!(
             text,
-            "ruling {id} ({kind}), {rule}s {}",
+            "ruling {id} ({}), {rule}s {}",
+            ruling.kind.name(),
             ruling.clauses.join(", ")
         );
         let _ = writeln!(text, "  {open}{}", ruling.question.trim());

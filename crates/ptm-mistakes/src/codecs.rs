@@ -101,7 +101,7 @@ pub const CHANGES: Changes = |slug| {
                 })
             };
         },
-        "quantisation-table-in-rows" => |r| {
+        "quantization-table-in-rows" => |r| {
             r.stream = |plane| {
                 decode_edited(plane, |code, segment| {
                     if let (0xDB, [0..=15, table @ ..]) = (code, segment)
