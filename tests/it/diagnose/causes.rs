@@ -155,6 +155,37 @@ fn mistake_in_one_channel_of_some_formats_is_named_beside_another() {
     }
 }
 
+/// The colors of LRGB are read as planes. Final values and colors are wrong in a way that has no name.
+#[test]
+fn mistake_in_stored_values_is_named_although_later_values_are_wrong() {
+    let planes = misreading("lrgb-colors-in-planes");
+    let causes = diagnose_faulty_decoder(&suite_of_small_files(), |request, _| {
+        let mut answer = answer_with(&[planes], request);
+        if let Answer::Decoded(frame) = &mut answer {
+            match (&mut frame.samples, frame.view) {
+                (Samples::F32(values), _) => {
+                    let shifts = (0..5_u8).map(|i| f32::from(i) * 3.0).cycle();
+                    values
+                        .iter_mut()
+                        .zip(shifts)
+                        .for_each(|(value, by)| *value += by);
+                }
+                (Samples::U8(colors), ViewKind::Rgb) => {
+                    let shifts = (0..7).map(|i| i * 9).cycle();
+                    let pairs = colors.iter_mut().zip(shifts);
+                    pairs.for_each(|(color, by)| *color = color.wrapping_add(by));
+                }
+                _ => {}
+            }
+        }
+        answer
+    });
+    for part in ["lrgb-colors-in-planes", "wrong final values"] {
+        let is_said = causes.iter().any(|cause| cause.contains(part));
+        assert!(is_said, "{causes:#?}");
+    }
+}
+
 /// A decoder that lacks a format may refuse some files in that format before it reads the format name.
 #[test]
 fn undecoded_format_is_unsupported_despite_refusals() {

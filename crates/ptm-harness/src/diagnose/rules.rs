@@ -6,7 +6,7 @@ use super::failure_mode::{FailureMode, message_form};
 use super::mistake::Mistake;
 use super::scope::{FileScope, files_of, own_formats};
 use super::search::{Effect, MistakeId, MistakeSet, Search, without_id};
-use super::tuning::{MIN_SUPPORT, is_most, is_nearly_all, is_third};
+use super::tuning::{MIN_SUPPORT, MIN_TWICE_LIMITED_IMAGES, is_most, is_nearly_all, is_third};
 use super::witness::{Agreement, Witness};
 use super::words::refusals::files_read;
 use ptm_mistakes::formula::{EditedForm, Formula};
@@ -18,8 +18,8 @@ use ptm_suite::verdicts::observation::Response;
 /// *No response contradicts a named mistake.*
 ///
 /// A response contradicts a mistake if it agrees with a decoder without the mistake rather than with one that makes it: the mistake
-/// turns a correct or reproduced response into another one, or a wrong image has the values of a decoder without the mistake at
-/// most of the samples that the mistake changes.
+/// turns a correct or reproduced response into another one, or a wrong image has the values of a decoder without the mistake at more
+/// samples than those of a decoder with it, by more than half of the samples that the mistake changes.
 pub(super) fn contradicts(without: Effect, with: Effect) -> bool {
     if with.answer == without.answer || with.agreement.explains() {
         return false;
@@ -83,6 +83,7 @@ pub(super) fn explains_more_than_a_description(
 
 /// *A mistake explains most of the failures that it changes, and a third of the wrong images of its formats and views.*
 ///
+/// Failures in later views do not count if it explains nearly all of many failures that it changes in the first view.
 /// `explained` are the failures that `set` reproduces because of the mistake, and `left` those that it does not reproduce.
 pub(super) fn explains_most_of_what_it_changes(
     search: &Search,
@@ -92,8 +93,16 @@ pub(super) fn explains_most_of_what_it_changes(
     left: &[usize],
 ) -> bool {
     let without = without_id(set, id);
-    let is_changed = |w: &&usize| search.answers_differ(**w, set, &without);
-    let changed = left.iter().filter(is_changed).count();
+    let is_changed = |w: &usize| search.answers_differ(*w, set, &without);
+    let mut changed: Vec<usize> = left.iter().copied().filter(is_changed).collect();
+    let view = |w: usize| search.witnesses[w].observation.view.kind();
+    let first = changed.iter().chain(explained).map(|&w| view(w)).min();
+    let in_first_view = |cases: &[usize]| cases.iter().filter(|&&w| Some(view(w)) == first).count();
+    let [shown, missed] = [explained, &changed].map(in_first_view);
+    if shown >= MIN_TWICE_LIMITED_IMAGES && is_nearly_all(shown, shown + missed) {
+        // A mistake in a later step, which need not be known, changes the images in later views.
+        changed.retain(|&w| Some(view(w)) == first);
+    }
     let kind = |w: usize| {
         let witness = &search.witnesses[w];
         (witness.case.format(), witness.observation.view.kind())
@@ -103,7 +112,7 @@ pub(super) fn explains_most_of_what_it_changes(
     let images = explained.iter().filter(|w| is_image(w)).count();
     let is_open = |w: &&usize| is_image(w) && kinds.contains(&kind(**w));
     let open = left.iter().filter(is_open).count();
-    changed <= explained.len() && (images == 0 || is_third(images, images + open))
+    changed.len() <= explained.len() && (images == 0 || is_third(images, images + open))
 }
 
 /// *A failure that another mistake of the set reproduces, too, does not show a mistake.*
