@@ -606,15 +606,20 @@ impl<'a> Search<'a> {
             (received, Answer::Decoded(image)) => (received, image.samples.len()),
             _ => (None, 0),
         };
+        let fingerprint = self.fingerprint(w, answer);
         let correct = match &witness.expected {
             Answer::Decoded(image) if received.is_some() => Some(image),
             _ => None,
         };
+        let unchanged = match fingerprint {
+            0 if correct.is_some() => samples,
+            _ => count_equal(correct),
+        };
         Effect {
             agreement: witness.agreement(answer),
-            answer: self.fingerprint(w, answer),
+            answer: fingerprint,
             equal_samples: count_equal(received),
-            changed_samples: samples - count_equal(correct),
+            changed_samples: samples - unchanged,
         }
     }
 

@@ -309,7 +309,15 @@ impl Hash for Samples {
     fn hash<H: Hasher>(&self, hasher: &mut H) {
         match self {
             Samples::U8(bytes) => bytes.hash(hasher),
-            Samples::F32(values) => values.iter().for_each(|value| value.to_bits().hash(hasher)),
+            Samples::F32(values) => {
+                // Hashing many bytes at once is several times faster.
+                for values in values.chunks(64) {
+                    let mut bytes = [0; 4 * 64];
+                    let fields = bytes.chunks_exact_mut(4).zip(values);
+                    fields.for_each(|(field, value)| field.copy_from_slice(&value.to_le_bytes()));
+                    hasher.write(&bytes[..4 * values.len()]);
+                }
+            }
         }
     }
 }
