@@ -130,6 +130,14 @@ fn mistake_in_one_channel_names_the_channel() {
     }
 }
 
+/// Each text must occur in some cause.
+fn assert_said(causes: &[String], texts: [&str; 2]) {
+    for text in texts {
+        let is_said = causes.iter().any(|cause| cause.contains(text));
+        assert!(is_said, "{text}: {causes:#?}");
+    }
+}
+
 /// The polynomial of blue begins one channel early, and side information corrects residuals.
 #[test]
 fn mistake_in_one_channel_of_some_formats_is_named_beside_another() {
@@ -149,10 +157,10 @@ fn mistake_in_one_channel_of_some_formats_is_named_beside_another() {
         }
         answer
     });
-    for part in ["c * 6 + i - 1", "side-information-before-prediction"] {
-        let is_named = causes.iter().any(|cause| cause.contains(part));
-        assert!(is_named, "{causes:#?}");
-    }
+    assert_said(
+        &causes,
+        ["c * 6 + i - 1", "side-information-before-prediction"],
+    );
 }
 
 /// The colors of LRGB are read as planes. Final values and colors are wrong in a way that has no name.
@@ -180,10 +188,7 @@ fn mistake_in_stored_values_is_named_although_later_values_are_wrong() {
         }
         answer
     });
-    for part in ["lrgb-colors-in-planes", "wrong final values"] {
-        let is_said = causes.iter().any(|cause| cause.contains(part));
-        assert!(is_said, "{causes:#?}");
-    }
+    assert_said(&causes, ["lrgb-colors-in-planes", "wrong final values"]);
 }
 
 /// A decoder that lacks a format may refuse some files in that format before it reads the format name.

@@ -119,7 +119,7 @@ impl FailureMode {
 /// Prefix of the error in one of several malformed frames, or of one of several exceptions.
 const FOR_EXAMPLE: &str = "for example, ";
 
-/// Starts of the messages with which glibc ends a program that has overwritten the memory of its heap. Which one depends on chance.
+/// Starts of the messages with which glibc ends a program that has corrupted its heap. Which one depends on chance.
 const HEAP_MESSAGES: [&str; 11] = [
     "corrupted double-linked list",
     "corrupted size vs. prev_size",
@@ -135,11 +135,11 @@ const HEAP_MESSAGES: [&str; 11] = [
 ];
 
 /// Returns the form of the last message on standard error, or an empty string if there is none. Messages with the same form differ
-/// only in numbers and quotations, or all say that the heap was overwritten.
+/// only in numbers and quotations, or all say that the heap is corrupted.
 pub(super) fn message_form(stderr: &str) -> String {
     let message = last_message(stderr).unwrap_or_default();
     if HEAP_MESSAGES.iter().any(|start| message.starts_with(start)) {
-        return "the heap was overwritten".to_owned();
+        return "the heap is corrupted".to_owned();
     }
     let unquoted = message
         .trim_start_matches(FOR_EXAMPLE)

@@ -193,8 +193,8 @@ impl<'a> Family<'a> {
                 let mut step = self.step_in_view(w, alone);
                 if step >= Step::FinalValue
                     && !(is_color_wrong && witness.is_rgb())
-                    && !are_stored_values_as_expected(self.search, self.set, w)
                     && let Some(earlier) = self.explaining_view(index)
+                    && !are_stored_values_as_expected(self.search, self.set, w)
                 {
                     let mut before = known[earlier].iter().rev();
                     step = before

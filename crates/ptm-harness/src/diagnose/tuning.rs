@@ -49,7 +49,8 @@ pub(super) const MAX_RESTRICTED_MISREADINGS: usize = 12;
 /// Minimum number of failures that support an edit, a scope, a different choice or a statement about a format. Also the minimum
 /// number of samples or texels that support a statement about an image.
 pub(super) const MIN_SUPPORT: usize = 4;
-/// Minimum number of images that support an edit that is limited to some channels in some formats.
+/// Minimum number of images that support an edit that is limited to some channels in some formats, or of failures that support a
+/// mistake in the first view that it changes, whatever it does in later views.
 pub(super) const MIN_TWICE_LIMITED_IMAGES: usize = 16;
 /// Minimum number of files that share a reported property.
 pub(super) const MIN_SHARING_FILES: usize = 2;

@@ -310,7 +310,7 @@ impl Hash for Samples {
         match self {
             Samples::U8(bytes) => bytes.hash(hasher),
             Samples::F32(values) => {
-                // Hashing many bytes at once is several times faster.
+                // One call for many values takes less time.
                 for values in values.chunks(64) {
                     let mut bytes = [0; 4 * 64];
                     let fields = bytes.chunks_exact_mut(4).zip(values);

@@ -1,7 +1,7 @@
 //! Describes wrong images with an unknown cause: the step at which values first differ, the channels and files, and one example.
 
 use std::borrow::Cow;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::ops::Range;
 
@@ -482,32 +482,35 @@ fn channel_text(search: &Search, cases: &[usize], wrong: &[bool]) -> String {
 /// Returns text such as ", only in the first channel after a5" for images of 8 and of 9 channels. Only a0 to a5 have the same names in
 /// both. As in [`channel_text`], the text is empty if mistakes that were found may affect other channels.
 fn common_channel_text(search: &Search, set: &[MistakeId], cases: &[usize]) -> String {
-    let wrong = |set: &[MistakeId]| -> BTreeMap<usize, BTreeSet<usize>> {
-        let pairs: Vec<ImagePair> = cases
-            .iter()
-            .filter_map(|&w| image_pair(search, set, w))
-            .collect();
-        let first = pairs.iter().map(|pair| pair.view).min();
-        let mut wrong: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
-        for pair in pairs.iter().filter(|pair| Some(pair.view) == first) {
-            let samples = pair.wrong_samples().into_iter();
-            wrong
-                .entry(pair.channels)
-                .or_default()
-                .extend(samples.map(|i| i % pair.channels));
-        }
-        wrong
+    let with_channels = |count: usize| -> Vec<usize> {
+        let has_count = |w: &usize| {
+            let format = search.witnesses[*w].case.format();
+            format.shape().channels() == count
+        };
+        cases.iter().copied().filter(has_count).collect()
+    };
+    let parts = [8, 9].map(with_channels);
+    let wrong = |set: &[MistakeId]| {
+        parts
+            .each_ref()
+            .map(|part| wrong_channels(search, set, part))
     };
     let by_count = wrong(&[]);
-    if cases.len() < MIN_SHARING_FILES || !by_count.keys().eq(&[8, 9]) || wrong(set) != by_count {
+    let are_whole = by_count.each_ref().map(Vec::len) == [8, 9];
+    let are_all = parts.iter().map(Vec::len).sum::<usize>() == cases.len();
+    if cases.len() < MIN_SHARING_FILES || !are_whole || !are_all || wrong(set) != by_count {
         return String::new();
     }
-    let channels: BTreeSet<usize> = by_count.into_values().flatten().collect();
-    if channels.iter().eq(&[6]) {
-        return ", only in the first channel after a5".to_owned();
+    let is_wrong = |channel: usize| {
+        by_count
+            .iter()
+            .any(|wrong| wrong.get(channel) == Some(&true))
+    };
+    let flags: Vec<bool> = (0..9).map(is_wrong).collect();
+    match flags.iter().rposition(|&wrong| wrong) {
+        Some(6) if !flags[..6].contains(&true) => ", only in the first channel after a5".to_owned(),
+        _ => ChannelSubset::smallest_containing(&flags).describe(),
     }
-    let flags: Vec<bool> = (0..9).map(|channel| channels.contains(&channel)).collect();
-    ChannelSubset::smallest_containing(&flags).describe()
 }
 
 /// A place in an image: its name, and the condition that a texel at (x, y) of a w × h image is there.
