@@ -1,5 +1,7 @@
 //! Files and their header fields, for misreadings that edit bytes.
 
+use std::borrow::Cow;
+
 use ptm::Field;
 use ptm::decode::fields_as;
 use ptm::reading::Reading;
@@ -20,7 +22,7 @@ pub struct Anatomy<'a> {
     /// Contents of the file.
     pub file: &'a [u8],
     /// Fields of the file, up to the first error.
-    pub fields: Vec<Field>,
+    pub fields: Cow<'a, [Field]>,
 }
 
 impl<'a> Anatomy<'a> {
@@ -29,7 +31,7 @@ impl<'a> Anatomy<'a> {
     pub fn new(file: &'a [u8], reading: &Reading) -> Anatomy<'a> {
         Anatomy {
             file,
-            fields: fields_as(file, reading),
+            fields: Cow::Owned(fields_as(file, reading)),
         }
     }
 

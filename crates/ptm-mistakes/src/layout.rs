@@ -4,7 +4,8 @@ use std::ops::Range;
 
 use super::anatomy::EditedFile;
 use super::change::{Change, Changes};
-use ptm::decode::{decode, texels};
+use ptm::decode::{decode, read_header, texels};
+use ptm::input::Input;
 use ptm::{Coding, Format, Header, Ptm, Storage};
 
 pub const CHANGES: Changes = |slug| {
@@ -87,10 +88,11 @@ pub const CHANGES: Changes = |slug| {
             EditedFile::File(bytes)
         }),
         "blocks-separated" => Change::Bytes(|file| {
-            let format = file.field_texts(&["2.2/1"]);
-            let (Ok(ptm), ["PTM_FORMAT_RGB" | "PTM_FORMAT_LRGB"]) =
-                (decode(file.file), &format[..])
-            else {
+            let has_blocks = matches!(
+                file.field_texts(&["2.2/1"])[..],
+                ["PTM_FORMAT_RGB" | "PTM_FORMAT_LRGB"]
+            );
+            let Some(ptm) = has_blocks.then(|| decode(file.file).ok()).flatten() else {
                 return file.unchanged();
             };
             // Each block after the first starts one byte later than the previous one.
@@ -107,13 +109,12 @@ pub const CHANGES: Changes = |slug| {
         }),
         "trailing-bytes-are-the-end" => Change::Bytes(|file| {
             let end = file.fields.iter().map(|field| field.range.end).max();
-            let extra = match (end, decode(file.file)) {
-                (Some(end), Ok(_)) => file.file.len() - end,
-                _ => 0,
-            };
+            let extra = file.file.len() - end.unwrap_or(file.file.len());
             match file.file.get(file.payload_offset() + extra..) {
-                Some(payload) => file.with_payload(payload),
-                None => file.unchanged(),
+                Some(payload) if extra > 0 && decode(file.file).is_ok() => {
+                    file.with_payload(payload)
+                }
+                _ => file.unchanged(),
             }
         }),
         _ => return None,
@@ -122,12 +123,14 @@ pub const CHANGES: Changes = |slug| {
 
 /// Flips the rows of each block of texels, for decoders that do not flip them.
 fn flip_rows_of_blocks(file: &[u8], payload: &mut [u8]) {
-    let Ok(ptm) = decode(file) else { return };
-    let (size, mut rest) = (ptm.header.size, payload);
-    if ptm.header.format.storage() != Storage::Texels {
+    let Ok(Header { format, size, .. }) = read_header(&mut Input::new(file)) else {
+        return;
+    };
+    if format.storage() != Storage::Texels || decode(file).is_err() {
         return;
     }
-    for block in texels::blocks(ptm.header.format) {
+    let mut rest = payload;
+    for block in texels::blocks(format) {
         let length = (size.texels() * block.channels).min(rest.len());
         let (rows, after) = rest.split_at_mut(length);
         let flipped = rows.chunks(size.width as usize * block.channels).rev();

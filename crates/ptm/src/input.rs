@@ -29,7 +29,8 @@ impl<'a> Input<'a> {
         Input {
             file,
             at: 0,
-            fields: Vec::new(),
+            // Few files have more fields, so the list rarely grows.
+            fields: Vec::with_capacity(64),
         }
     }
 
@@ -189,12 +190,10 @@ impl<'a> Input<'a> {
     fn unexpected_at(&self, offset: usize, clause: &'static str, what: &'static str) -> Error {
         // Quote 1 to 24 bytes of the line, to make it recognizable.
         let rest = &self.file[offset..];
-        let end = rest
-            .iter()
-            .skip(1)
-            .position(|&byte| byte == b'\n')
-            .map_or(rest.len(), |length| length + 1);
-        let kind = match &rest[..end.min(24)] {
+        let start = &rest[..rest.len().min(24)];
+        let is_line_end = |i: &usize| *i > 0 && start[*i] == b'\n';
+        let end = (0..start.len()).find(is_line_end).unwrap_or(start.len());
+        let kind = match &start[..end] {
             [] => Kind::Ended { what },
             found => Kind::Expected {
                 what,

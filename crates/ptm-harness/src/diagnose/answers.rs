@@ -8,6 +8,7 @@ use super::tuning::{ROUNDING_SLACK, is_few, is_third};
 use super::witness::{
     Agreement, Witness, applies_to_file, equal_up_to_rounding, is_after_decoding, is_same_value,
 };
+use ptm::error::Error;
 use ptm::{Ptm, Reading};
 use ptm_mistakes::formula::{self, Edit, Edits, Formula, Outside, final_values};
 use ptm_mistakes::{Change, Misreading, Stage};
@@ -21,16 +22,17 @@ impl Witness<'_> {
     /// Returns the answer of a decoder that makes these `mistakes`.
     pub fn answer(&self, mistakes: &[&Mistake]) -> Cow<'_, Answer> {
         let (whole, partial) = self.in_scope(mistakes);
-        match partial.is_empty() {
-            true => self.answer_of_misreadings(&whole),
-            false => Cow::Owned(self.answer_to(&self.built.file, self.reading, &whole, &partial)),
+        if partial.is_empty() {
+            return self.answer_of_misreadings(&whole);
         }
+        let (file, decoded) = (&self.built.file, self.decoded().as_ref().ok());
+        Cow::Owned(self.answer_to(self.reading, file, decoded, &whole, &partial))
     }
 
     /// Returns the answer of a decoder that makes these mistakes to a request for `file`, in this reading.
     pub fn answer_in(&self, reading: Reading, file: &[u8], mistakes: &[&Mistake]) -> Answer {
         let (whole, partial) = self.in_scope(mistakes);
-        self.answer_to(file, reading, &whole, &partial)
+        self.answer_to(reading, file, None, &whole, &partial)
     }
 
     /// Returns the mistakes that affect the format of the file in all channels, and those that affect some channels.
@@ -50,11 +52,12 @@ impl Witness<'_> {
 
     /// Returns the answer of a decoder that makes the mistakes in `whole` in all channels, and those in `partial` in some. Stored
     /// values, final values and colors are computed one after the other, and each mistake changes only its channels of the first
-    /// that it affects.
+    /// that it affects. `decoded` is the map in `file` under `reading`, if it is known.
     fn answer_to(
         &self,
-        file: &[u8],
         reading: Reading,
+        file: &[u8],
+        decoded: Option<&Ptm>,
         whole: &[&Misreading],
         partial: &[&Mistake],
     ) -> Answer {
@@ -62,11 +65,11 @@ impl Witness<'_> {
             return ptm_mistakes::answer(whole, reading, file, &self.observation.view);
         }
         let unchanged = reading;
-        let read = |mistakes: &[&Misreading]| {
-            let (ptm, reading) = ptm_mistakes::read(mistakes, unchanged, file)?;
+        let stored_values = |mistakes: &[&Misreading]| {
+            let (ptm, reading) = read(mistakes, unchanged, file, decoded)?;
             Ok((ptm_mistakes::stored_values(mistakes, &ptm), reading))
         };
-        let (mut ptm, reading) = match read(whole) {
+        let (mut ptm, reading) = match stored_values(whole) {
             Ok(read) => read,
             Err(error) => return ptm_mistakes::refusal_answer(error),
         };
@@ -78,7 +81,7 @@ impl Witness<'_> {
             all.filter(move |mistake| stages.contains(&mistake.misreading.stage()))
         };
         for mistake in of_stage(Stage::File..=Stage::Planes) {
-            match read(&with(mistake)) {
+            match stored_values(&with(mistake)) {
                 Ok((other, _)) => {
                     let samples = &mut ptm.planes.samples;
                     mistake
@@ -243,13 +246,8 @@ impl Witness<'_> {
             return None;
         }
         let misreadings = self.misreadings_in_scope(mistakes);
-        let (ptm, reading) = match misreadings.iter().all(|mistake| is_after_decoding(mistake)) {
-            true => {
-                let reading = ptm_mistakes::apply_to_reading(&misreadings, self.reading);
-                (self.decoded().as_ref().ok()?.clone(), reading)
-            }
-            false => ptm_mistakes::read(&misreadings, self.reading, &self.built.file).ok()?,
-        };
+        let (file, decoded) = (&self.built.file, self.decoded().as_ref().ok());
+        let (ptm, reading) = read(&misreadings, self.reading, file, decoded).ok()?;
         let colors = ptm_mistakes::unrounded_values(&misreadings, &reading, &ptm, view);
         let Samples::U8(bytes) = &actual.samples else {
             return None;
@@ -313,6 +311,23 @@ impl Witness<'_> {
         let refused = !matches!(self.observation.response, Response::Image { .. });
         self.can_affect(mistake) && (!refused || mistake.misreading.may_refuse())
     }
+}
+
+/// Returns the map in `file` as a decoder with these mistakes reads it, and its reading. `decoded` is the map under `reading`, if it is
+/// known.
+fn read<'a>(
+    mistakes: &[&Misreading],
+    reading: Reading,
+    file: &[u8],
+    decoded: Option<&'a Ptm>,
+) -> Result<(Cow<'a, Ptm>, Reading), Option<Error>> {
+    let are_after_decoding = mistakes.iter().all(|mistake| is_after_decoding(mistake));
+    if let Some(ptm) = decoded.filter(|_| are_after_decoding) {
+        let reading = ptm_mistakes::apply_to_reading(mistakes, reading);
+        return Ok((Cow::Borrowed(ptm), reading));
+    }
+    let (ptm, reading) = ptm_mistakes::read(mistakes, reading, file)?;
+    Ok((Cow::Owned(ptm), reading))
 }
 
 /// Returns true if the mistake is an edit of the texel that is shown at a position of the image.

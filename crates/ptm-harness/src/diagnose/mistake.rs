@@ -133,9 +133,10 @@ impl ChannelSubset {
 
     /// Replaces these channels of `image`, which has `count` channels, with those of `other`.
     pub fn replace<T: Copy>(self, count: usize, image: &mut [T], other: &[T]) {
-        for (i, (sample, other)) in image.iter_mut().zip(other).enumerate() {
-            if self.contains(count, i % count) {
-                *sample = *other;
+        let channels: Vec<usize> = (0..count).filter(|&i| self.contains(count, i)).collect();
+        for (texel, other) in image.chunks_exact_mut(count).zip(other.chunks_exact(count)) {
+            for &i in &channels {
+                texel[i] = other[i];
             }
         }
     }

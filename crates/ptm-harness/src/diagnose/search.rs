@@ -5,10 +5,13 @@
 
 use std::borrow::Cow;
 use std::cmp::Reverse;
-use std::collections::{BTreeMap, HashMap, HashSet};
-use std::hash::{DefaultHasher, Hash, Hasher};
+use std::collections::{BTreeMap, HashSet};
+use std::hash::{BuildHasher, Hash, Hasher};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::{Mutex, OnceLock, PoisonError};
+
+use foldhash::quality::FixedState;
+use foldhash::{HashMap, HashMapExt};
 
 use super::mistake::Mistake;
 use super::rules;
@@ -628,7 +631,7 @@ impl<'a> Search<'a> {
         if *answer == self.witnesses[w].expected {
             return 0;
         }
-        let mut hasher = DefaultHasher::new();
+        let mut hasher = FixedState::default().build_hasher();
         std::mem::discriminant(answer).hash(&mut hasher);
         if let Answer::Decoded(frame) = answer {
             frame.hash(&mut hasher);

@@ -1,8 +1,8 @@
 //! A cache of decoded streams. Hundreds of mistakes affect only later steps, so the same streams are decoded repeatedly.
 
-use std::collections::HashMap;
 use std::sync::Mutex;
 
+use foldhash::HashMap;
 use ptm::decode::planes;
 use ptm::error::Result;
 use ptm::parts::PlaneStream;

@@ -271,7 +271,7 @@ impl Witness<'_> {
     fn anatomy(&self) -> Anatomy<'_> {
         Anatomy {
             file: &self.built.file,
-            fields: self.fields().to_vec(),
+            fields: Cow::Borrowed(self.fields()),
         }
     }
 
@@ -585,11 +585,17 @@ pub fn can_combine(a: &Misreading, b: &Misreading) -> bool {
 /// Returns true if two images are equal up to rounding.
 #[must_use]
 pub fn equal_up_to_rounding(a: &Frame, b: &Frame) -> bool {
-    if a.shape() != b.shape() {
-        return false;
-    }
-    a.samples.sample_type() == b.samples.sample_type()
-        && count_equal_samples(a, b) == a.samples.len()
+    let tolerance = tolerance(a.view);
+    a.shape() == b.shape()
+        && match (&a.samples, &b.samples) {
+            (Samples::U8(x), Samples::U8(y)) => {
+                x.iter().zip(y).all(|(x, y)| x.abs_diff(*y) <= tolerance)
+            }
+            (Samples::F32(x), Samples::F32(y)) => {
+                x.iter().zip(y).all(|(x, y)| are_equal_floats(*x, *y))
+            }
+            _ => false,
+        }
 }
 
 /// Counts the samples in which two images are equal up to rounding. Returns 0 if their shapes differ.
@@ -599,22 +605,29 @@ pub(super) fn count_equal_samples(a: &Frame, b: &Frame) -> usize {
     }
     match (&a.samples, &b.samples) {
         (Samples::U8(x), Samples::U8(y)) => {
-            let tolerance = u8::from(a.view == ViewKind::Rgb);
+            let tolerance = tolerance(a.view);
             let pairs = x.iter().zip(y);
             pairs.filter(|(x, y)| x.abs_diff(**y) <= tolerance).count()
         }
         (Samples::F32(x), Samples::F32(y)) => {
             let pairs = x.iter().zip(y);
-            // Floats with wrong bytes may be subnormal. They are not close to each other, or to 0.
-            let is_equal = |(x, y): &(&f32, &f32)| {
-                is_close(f64::from(**x), f64::from(**y), 0.0)
-                    && (x == y || !x.is_subnormal() && !y.is_subnormal())
-                    || x.is_nan() && y.is_nan()
-            };
-            pairs.filter(is_equal).count()
+            pairs.filter(|(x, y)| are_equal_floats(**x, **y)).count()
         }
         _ => 0,
     }
+}
+
+/// Returns the difference between bytes that are equal up to rounding.
+fn tolerance(view: ViewKind) -> u8 {
+    u8::from(view == ViewKind::Rgb)
+}
+
+/// Returns true if two floats are equal up to rounding, or both are NaN.
+fn are_equal_floats(x: f32, y: f32) -> bool {
+    // Floats with wrong bytes may be subnormal. They are not close to each other, or to 0.
+    x == y
+        || is_close(f64::from(x), f64::from(y), 0.0) && !x.is_subnormal() && !y.is_subnormal()
+        || x.is_nan() && y.is_nan()
 }
 
 /// Returns true if two values are equal, or both are NaN.

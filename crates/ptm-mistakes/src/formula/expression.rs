@@ -116,10 +116,8 @@ impl Expression {
         match self {
             Expression::Number(_) | Expression::Variable(_) => value(self),
             Expression::Element(list, index) => {
-                let index = value(index);
-                let is_index = index >= 0.0 && index.fract() == 0.0;
-                let element = || lists[*list].get(index as usize).copied();
-                is_index.then(element).flatten().unwrap_or(f64::NAN)
+                let element = index_of(value(index)).and_then(|index| lists[*list].get(index));
+                element.copied().unwrap_or(f64::NAN)
             }
             Expression::Sum(terms) => terms.iter().map(value).fold(-0.0, |sum, term| sum + term),
             Expression::Product(factors) => factors.iter().map(value).product(),
@@ -496,6 +494,12 @@ pub(super) fn single_or_node(
     }
 }
 
+/// Returns the value as an index, if it is a whole number that is not negative.
+pub(super) fn index_of(value: f64) -> Option<usize> {
+    let index = value as usize;
+    (index as f64 == value).then_some(index)
+}
+
 fn call(function: Function, a: f64, b: f64) -> f64 {
     match function {
         Function::Floor => a.floor(),
@@ -504,6 +508,8 @@ fn call(function: Function, a: f64, b: f64) -> f64 {
         Function::Abs => a.abs(),
         Function::Min => a.min(b),
         Function::Max => a.max(b),
+        // Most operands are remainders already, and a division of floats is slow.
+        Function::Mod if 0.0 <= a && a < b => a,
         Function::Mod => a.rem_euclid(b),
         Function::Power => a.powf(b),
         Function::Sin => a.sin(),

@@ -8,7 +8,7 @@ use std::cell::Cell;
 use std::ops::RangeInclusive;
 
 use super::edit::{Edit, EditedForm};
-use super::expression::{Expression, Function};
+use super::expression::{Expression, Function, index_of};
 use super::formulas::{Formula, Stage};
 pub use ptm::decode::{self, Streams, decode_as};
 use ptm::error::{Error, Kind, Result};
@@ -215,8 +215,7 @@ fn outside_data_error(offset: usize) -> Error {
 }
 
 fn element_at<T>(data: &[T], address: f64) -> Result<&T> {
-    let is_address = address >= 0.0 && address.fract() == 0.0;
-    let found = is_address.then(|| data.get(address as usize)).flatten();
+    let found = index_of(address).and_then(|address| data.get(address));
     found.ok_or_else(|| outside_data_error(0))
 }
 
@@ -394,12 +393,12 @@ impl TexelLayout<'_> {
                 _ => self.edits.value_or(Formula::Index, &variables, unedited),
             };
             // An edited index retains its fraction and its sign, so that its address is refused.
-            let entry = match index >= 0.0 && index.fract() == 0.0 {
-                true => (self.reading.entry)(index as usize, count)
+            let entry = match index_of(index) {
+                Some(whole) => (self.reading.entry)(whole, count)
                     .map(|entry| entry as f64)
                     .or(matches!(self.outside, Outside::Byte(_)).then_some(index))
                     .ok_or_else(|| outside_data_error(0))?,
-                false => index,
+                None => index,
             };
             last.set((row, column, entry));
             Ok(entry)
@@ -864,8 +863,8 @@ pub fn floats(values: Vec<f64>, edits: Edits) -> Vec<f64> {
 
 /// Writes a value if its position is inside `data`.
 fn write_at<T>(data: &mut [T], position: f64, value: T) {
-    if position >= 0.0 && position.fract() == 0.0 && position < data.len() as f64 {
-        data[position as usize] = value;
+    if let Some(place) = index_of(position).and_then(|position| data.get_mut(position)) {
+        *place = value;
     }
 }
 
@@ -909,10 +908,9 @@ pub fn image(
     };
     // A channel may be one of another texel.
     let at = |start: usize, formula: Formula, variables: &[f64]| {
-        let index = start as f64 + edits.value(formula, variables, &[]);
-        let is_index = index >= 0.0 && index.fract() == 0.0;
-        let value = coefficients.values.get(index as usize);
-        value.filter(|_| is_index).copied().unwrap_or(f64::NAN)
+        let index = index_of(start as f64 + edits.value(formula, variables, &[]));
+        let value = index.and_then(|index| coefficients.values.get(index));
+        value.copied().unwrap_or(f64::NAN)
     };
     let intensity = |start: usize, c: usize| {
         if !edits.is_edited(Formula::IntensityChannel) {
