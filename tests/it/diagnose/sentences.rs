@@ -556,6 +556,51 @@ fn near_lossless_streams_are_a_property() {
     .assert_true();
 }
 
+/// Each decoder refuses the files with one property.
+#[test]
+fn properties_of_numbers_sizes_and_data_are_named() {
+    fn numbers(file: &[u8]) -> Vec<&str> {
+        let (fields, _) = ptm::decode::fields(file);
+        let numbers = fields
+            .into_iter()
+            .filter(|field| ["2.4/3", "2.4/4", "2.6/2"].contains(&field.clause));
+        let texts = numbers.map(|field| std::str::from_utf8(&file[field.range]));
+        texts.filter_map(Result::ok).collect()
+    }
+    fn has_bare_exponent(number: &str) -> bool {
+        let exponent = number.split_once(['e', 'E']);
+        exponent.is_some_and(|(_, exponent)| !exponent.starts_with(['+', '-']))
+    }
+    type Refuses = fn(&[u8], &Frame) -> bool;
+    let decoders: [(&str, Refuses); 4] = [
+        ("an exponent without a sign in a number", |file, _| {
+            numbers(file).into_iter().any(has_bare_exponent)
+        }),
+        (
+            "a decimal point and an exponent in one number",
+            |file, _| {
+                let mut numbers = numbers(file).into_iter();
+                numbers.any(|number| number.contains('.') && number.contains(['e', 'E']))
+            },
+        ),
+        ("a line feed at the end of the binary data", |file, _| {
+            file.ends_with(b"\n")
+        }),
+        ("an odd number of texels", |_, frame| {
+            frame.width * frame.height % 2 == 1
+        }),
+    ];
+    let suite = cases(is_uncompressed);
+    for (property, is_refused) in decoders {
+        printed_report(&suite, |request| match reference_answer(request) {
+            Answer::Decoded(frame) if is_refused(request.file, &frame) => Answer::Rejected,
+            answer => answer,
+        })
+        .says(&["refuses every legal file with", property])
+        .assert_true();
+    }
+}
+
 /// The decoder takes missing bytes as 255.
 #[test]
 fn padding_with_another_byte_does_not_look_the_same() {

@@ -237,7 +237,7 @@ fn spelling_properties(f: &File) -> [Property; 15] {
     ]
 }
 
-fn data_properties(f: &File) -> [Property; 22] {
+fn data_properties(f: &File) -> [Property; 26] {
     let [scales, biases, _] = &f.numbers;
     let value = |text: &str| text.parse().unwrap_or(0.0);
     let is_negative = |texts: &[&str]| texts.iter().any(|text| value(text) < 0.0);
@@ -248,6 +248,11 @@ fn data_properties(f: &File) -> [Property; 22] {
     let has_point = any(|text| text.contains('.'));
     let is_scientific = any(|text| text.contains(['e', 'E']));
     let has_negative_exponent = any(|text| text.contains("e-") || text.contains("E-"));
+    let has_bare_exponent = any(|text| {
+        let (_, exponent) = text.split_once(['e', 'E']).unwrap_or_default();
+        exponent.starts_with(|first: char| first.is_ascii_digit())
+    });
+    let has_both = any(|text| text.contains('.') && text.contains(['e', 'E']));
     let has_plus_in_exponent = any(|text| text.contains("e+") || text.contains("E+"));
     let has_plus = any(|text| text.starts_with('+'));
     let is_space = matches!(f.data, [9..=13 | b' ', ..]);
@@ -283,6 +288,14 @@ fn data_properties(f: &File) -> [Property; 22] {
             has_plus_in_exponent,
         ),
         (
+            "2.4/3 with an exponent without a sign in a number",
+            has_bare_exponent,
+        ),
+        (
+            "2.4/3 with a decimal point and an exponent in one number",
+            has_both,
+        ),
+        (
             "2.4/3 with a number that starts or ends with its decimal point",
             has_outer_point,
         ),
@@ -294,12 +307,20 @@ fn data_properties(f: &File) -> [Property; 22] {
             "2.0/2 with a line feed at the start of the binary data",
             is_line_feed,
         ),
+        (
+            "2.7/1 with a line feed at the end of the binary data",
+            f.data.ends_with(b"\n"),
+        ),
         ("2.3/1 of one row or one column", width == 1 || height == 1),
         ("2.3/1 of one row", height == 1),
         ("2.3/1 of odd width", width % 2 == 1),
         ("2.3/1 of odd height", height % 2 == 1),
         ("2.3/1 of even width", width > 0 && width % 2 == 0),
         ("2.3/1 of even height", height > 0 && height % 2 == 0),
+        (
+            "2.3/1 with an odd number of texels",
+            width % 2 == 1 && height % 2 == 1,
+        ),
         (
             "2.7/2 with several rows and a width that is not a multiple of 4",
             is_ragged,
