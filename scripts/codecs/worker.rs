@@ -28,6 +28,14 @@ fn image(stream: &[u8]) -> Result<Image, Failure> {
     Ok((width as usize, height as usize, channels.into(), image.into_bytes()))
 }
 
+fn zenjpeg(stream: &[u8]) -> Result<Image, Failure> {
+    let decoder = zenjpeg::decoder::Decoder::new().output_format(zenjpeg::decoder::PixelFormat::Gray);
+    let image = decoder.auto_orient(false).decode(stream, enough::Unstoppable)?;
+    let (width, height) = image.dimensions();
+    let samples = image.pixels_u8().ok_or("no bytes")?.to_vec();
+    Ok((width as usize, height as usize, samples.len() / (width * height) as usize, samples))
+}
+
 fn decode(name: &str, stream: &[u8]) -> Result<Image, Failure> {
     match name {
         "zune-jpeg" => zune(stream, DecoderOptions::default()),
@@ -37,6 +45,7 @@ fn decode(name: &str, stream: &[u8]) -> Result<Image, Failure> {
         }
         "jpeg-decoder" => jpeg_decoder(stream),
         "image" => image(stream),
+        "zenjpeg" => zenjpeg(stream),
         _ => Err("no decoder".into()),
     }
 }
@@ -48,6 +57,13 @@ fn encode(name: &str, samples: &[u8], width: u16, height: u16, quality: u8) -> R
         encoder.encode(samples, width.into(), height.into(), image::ExtendedColorType::L8)?;
     } else if name == "jpeg-encoder" {
         jpeg_encoder::Encoder::new(&mut out, quality).encode(samples, width, height, jpeg_encoder::ColorType::Luma)?;
+    } else if name == "mozjpeg-rs" {
+        out = mozjpeg_rs::Encoder::baseline_optimized().quality(quality).encode_gray(samples, width.into(), height.into())?;
+    } else if name == "zenjpeg" {
+        let config = zenjpeg::encoder::EncoderConfig::grayscale(quality).progressive(false);
+        let mut encoder = config.encode_from_bytes(width.into(), height.into(), zenjpeg::encoder::PixelLayout::Gray8Srgb)?;
+        encoder.push_packed(samples, enough::Unstoppable)?;
+        out = encoder.finish()?;
     } else {
         return Err("no encoder".into());
     }
