@@ -37,6 +37,8 @@ EXR = [
     ("OpenEXR, `separate_channels=True`", "openexr", "OpenEXR", "pypi"),
     ("OpenEXR, default", "openexr_merged", "OpenEXR", "pypi"),
     ("OpenImageIO", "openimageio", "OpenImageIO", "pypi"),
+    ("pyexr", "pyexr", "pyexr", "pypi"),
+    ("MinEXR", "minexr", "minexr", "pypi"),
     ("OpenCV 4, `OPENCV_IO_ENABLE_OPENEXR=1`", "opencv", "opencv-python-headless", "pypi-b"),
     ("OpenCV 5, `OPENCV_IO_ENABLE_OPENEXR=1`", "opencv", "opencv-python-headless", "pypi"),
     ("FFmpeg (PyAV)", "pyav", "av", "pypi-b"),

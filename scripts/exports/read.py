@@ -39,6 +39,18 @@ def openimageio(path):
     return image.get_pixels(spec.format), list(spec.channelnames)
 
 
+def pyexr(path):
+    import pyexr
+    return pyexr.read(path), list(pyexr.open(path).channels)
+
+
+def minexr(path):
+    import minexr
+    with open(path, "rb") as file:
+        image = minexr.load(file)
+        return image.select(image.channel_names), image.channel_names
+
+
 def opencv(path):
     import cv2
     image = cv2.imread(path, cv2.IMREAD_UNCHANGED)
@@ -100,7 +112,7 @@ def node(path):
     return numpy.fromfile(path + ".raw", head["type"]).reshape(shape), head.get("names")
 
 
-READERS = {function.__name__: function for function in (openexr, openexr_merged, openimageio, opencv, opencv_default, imageio, pyav, pillow, pyvips, tifffile,
+READERS = {function.__name__: function for function in (openexr, openexr_merged, openimageio, pyexr, minexr, opencv, opencv_default, imageio, pyav, pillow, pyvips, tifffile,
                                                         imagecodecs, numpy_load, node)}
 
 
