@@ -601,6 +601,21 @@ fn properties_of_numbers_sizes_and_data_are_named() {
     }
 }
 
+/// The decoder refuses lights whose u is negative, and does not support colors of one format.
+#[test]
+fn unsupported_files_of_another_format_make_a_property_one_of_judged_files() {
+    let answer = |request: &Request| match (reference_answer(request), request.view) {
+        (Answer::Decoded(_), View::Rgb(_)) if format_of(request) == Some(Format::Lum) => {
+            Answer::Unsupported
+        }
+        (Answer::Decoded(_), View::Rgb(light)) if light.lu < 0.0 => Answer::Rejected,
+        (answer, _) => answer,
+    };
+    printed_report(&cases(is_uncompressed), answer)
+        .says(&["refuses every judged legal file requested under a light whose u is negative"])
+        .assert_true();
+}
+
 /// The decoder takes missing bytes as 255.
 #[test]
 fn padding_with_another_byte_does_not_look_the_same() {

@@ -108,6 +108,16 @@ impl SharedScope {
         self.formats.contains(&witness.case.format()) && self.scope.contains(witness)
     }
 
+    /// Returns the files of the formats that the text about the scope names or, if it names none, of all formats.
+    pub fn files_of_formats(&self, witnesses: &[Witness]) -> Vec<usize> {
+        let formats = match &self.scope {
+            FileScope::Formats(own) => own,
+            _ => &self.formats,
+        };
+        let all: Vec<usize> = (0..witnesses.len()).collect();
+        files_of(witnesses, &all, formats)
+    }
+
     /// Adds the formats of `other`, which has the same scope.
     pub fn add_formats(&mut self, other: &SharedScope) {
         let known = |format: &Format, formats: &[Format]| formats.contains(format);
@@ -166,12 +176,11 @@ impl SharedScope {
         else {
             return String::new();
         };
-        let of_formats =
-            (0..witnesses.len()).filter(|&w| self.formats.contains(&witnesses[w].case.format()));
-        let (inside, others): (Vec<usize>, Vec<usize>) =
-            of_formats.partition(|&w| self.scope.contains(&witnesses[w]));
+        let all = self.files_of_formats(witnesses);
+        let (inside, others): (Vec<usize>, Vec<usize>) = all
+            .iter()
+            .partition(|&&w| self.scope.contains(&witnesses[w]));
         let is_whole = inside.iter().all(|w| self.cases.contains(w));
-        let all = [&inside[..], &others[..]].concat();
         if !is_whole
             || has_unjudged_files(witnesses, &all)
             || has_inconsistent_files(witnesses, &all)

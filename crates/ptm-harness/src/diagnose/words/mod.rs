@@ -37,11 +37,12 @@ fn files_of_group(witnesses: &[Witness], group: &Group) -> String {
 /// with consistent responses" if some failed with inconsistent ones.
 fn files_in_scope(witnesses: &[Witness], shared: &SharedScope) -> String {
     let (count, others) = shared.count_legal(witnesses);
-    let scope = match has_inconsistent_files(witnesses, &shared.cases) {
+    let files = shared.files_of_formats(witnesses);
+    let scope = match has_inconsistent_files(witnesses, &files) {
         true => format!("with consistent responses {}", shared.describe(witnesses)),
         false => shared.describe(witnesses),
     };
-    let judged = match has_unjudged_files(witnesses, &shared.cases) {
+    let judged = match has_unjudged_files(witnesses, &files) {
         true => "judged legal",
         false => "legal",
     };
