@@ -601,6 +601,24 @@ fn properties_of_numbers_sizes_and_data_are_named() {
     }
 }
 
+/// The decoder refuses JPEG-LS files whose parameter is 60, and reads one whose parameter is 300.
+#[test]
+fn a_parameter_that_no_legal_file_has_refutes_a_limit_of_the_loss() {
+    let is_jpeg_ls = |case: &Case| case.format().coding() == Some(Coding::JpegLs);
+    printed_report(&cases(is_jpeg_ls), |request| {
+        let (fields, _) = ptm::decode::fields(request.file);
+        let mut parameters = fields.into_iter().filter(|field| field.clause == "2.9.1/1");
+        let parameter = parameters.next().map(|field| &request.file[field.range]);
+        match parameter {
+            Some(b"60") => Answer::Rejected,
+            _ => reference_answer(request),
+        }
+    })
+    .says(&["refuses"])
+    .never_says("maximum loss is at least 60")
+    .assert_true();
+}
+
 /// The decoder refuses lights whose u is negative, and does not support colors of one format.
 #[test]
 fn unsupported_files_of_another_format_make_a_property_one_of_judged_files() {

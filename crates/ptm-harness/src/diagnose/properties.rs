@@ -40,6 +40,8 @@ struct File<'a> {
     size: Option<(u32, u32)>,
     recipe: Option<&'a Recipe>,
     plan: Option<Compression>,
+    /// The compression parameter, as written in the file. It need not be one that a legal file may have.
+    parameter: Option<f64>,
     planes: Cow<'a, [StoredPlane]>,
     /// The encoding options of the streams, if the file was generated.
     streams: Option<&'a Compression>,
@@ -87,6 +89,7 @@ impl<'a> File<'a> {
             },
             recipe: witness.case.recipe(),
             plan: read_plan(format, texts),
+            parameter: texts("2.9.1/1").iter().find_map(|text| text.parse().ok()),
             planes,
             streams: witness.case.compression(),
             header,
@@ -113,7 +116,7 @@ impl<'a> File<'a> {
     }
 }
 
-/// Reads the lists of a compressed file. Returns `None` for other formats and for lists with faults. `numbers` returns the numbers of
+/// Reads the lists of a compressed file, without the parameter. Returns `None` for other formats and for lists with faults. `numbers` returns the numbers of
 /// a list, as written in the file.
 fn read_plan<'a>(format: Format, numbers: impl Fn(&str) -> Vec<&'a str>) -> Option<Compression> {
     fn list<T: FromStr>(texts: &[&str], count: usize) -> Option<Vec<T>> {
@@ -123,7 +126,6 @@ fn read_plan<'a>(format: Format, numbers: impl Fn(&str) -> Vec<&'a str>) -> Opti
     format.coding()?;
     let mut plan = Compression::default_for(format);
     let count = plan.order.len();
-    plan.parameter = list(&numbers("2.9.1/1"), 1)?[0];
     plan.transforms = list(&numbers("2.9.2/1"), count)?;
     plan.motion_x = list(&numbers("2.9.3/1"), 2 * count)?;
     plan.motion_y = plan.motion_x.split_off(count);
@@ -344,7 +346,7 @@ fn prediction_properties(f: &File) -> [Property; 14] {
     let has_records = |plane: usize| !f.planes[plane].records.is_empty();
     let corrected = || (0..f.planes.len()).filter(|&plane| has_records(plane));
     let is_corrected = corrected().next().is_some();
-    let unneeded = is_corrected && has(|plan| plan.parameter == 0);
+    let unneeded = is_corrected && f.parameter == Some(0.0);
     let displaces = has(Compression::displaces);
     let inverts = has(Compression::inverts);
     let corrects_intra = corrected().any(|plane| reference(plane).is_none());
@@ -427,13 +429,7 @@ fn quantities(f: &File) -> Vec<Quantity> {
     let records = f.planes.iter().map(|plane| plane.records.len()).max();
     let positions = f.planes.iter().flat_map(|plane| &plane.records);
     let position = positions.map(|record| record.0).max().map(f64::from);
-    let parameter = |coding: Coding| {
-        let plan = f
-            .plan
-            .as_ref()
-            .filter(|_| f.format.coding() == Some(coding))?;
-        Some(f64::from(plan.parameter))
-    };
+    let parameter = |coding: Coding| f.parameter.filter(|_| f.format.coding() == Some(coding));
     let loss = parameter(Coding::JpegLs);
     let distance = f.light.map(|(u, v)| u.hypot(v));
     let texels = size.map(|(width, height)| width * height);
