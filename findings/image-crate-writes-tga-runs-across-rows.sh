@@ -7,17 +7,7 @@
 # observed: without run lengths: Pillow: equal, equal
 . "$(dirname "$0")/tools.sh"
 python_packages Pillow==13.0.0
-command -v cargo > "$work/log" || missing "cargo is missing"
-mkdir "$work/rust" "$work/rust/src"
-cat > "$work/rust/Cargo.toml" <<'TOML'
-[package]
-name = "write"
-version = "0.0.0"
-edition = "2021"
-[dependencies]
-image = { version = "=0.25.10", default-features = false, features = ["tga"] }
-TOML
-cat > "$work/rust/src/main.rs" <<'RUST'
+rust_program 'image = { version = "=0.25.10", default-features = false, features = ["tga"] }' <<'RUST'
 use image::{codecs::tga::TgaEncoder, ExtendedColorType::Rgb8};
 fn main() {
     let one: Vec<u8> = [172, 219, 158].repeat(20);

@@ -27,6 +27,14 @@ node_packages() {
     "${install[@]}" > "$work/log" 2>&1 || NODE_OPTIONS=--use-openssl-ca "${install[@]}" > "$work/log" 2>&1 || missing "npm cannot install $*: $(grep -m 1 'npm error' "$work/log")"
 }
 
+# Makes a Rust program in the folder "$work/rust". The arguments are its dependencies, as lines of TOML; standard input is its source.
+rust_program() {
+    command -v cargo > "$work/log" || missing "cargo is missing"
+    mkdir -p "$work/rust/src"
+    printf '%s\n' '[package]' 'name = "program"' 'version = "0.0.0"' 'edition = "2021"' '[dependencies]' "$@" > "$work/rust/Cargo.toml"
+    cat > "$work/rust/src/main.rs"
+}
+
 # Compares standard input with the lines "# observed: …" of the script. Exits with 0 if they are equal, else with 1.
 confirm() {
     sed -n 's/^# observed: //p' "$script" > "$work/observed"

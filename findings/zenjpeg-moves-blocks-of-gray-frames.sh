@@ -8,20 +8,7 @@
 # observed: factors 2 x 2: Pillow 0, zune-jpeg 0, zenjpeg 448 wrong samples of 960
 . "$(dirname "$0")/tools.sh"
 python_packages Pillow==13.0.0
-command -v cargo > "$work/log" || missing "cargo is missing"
-mkdir "$work/rust" "$work/rust/src"
-cat > "$work/rust/Cargo.toml" <<'TOML'
-[package]
-name = "read"
-version = "0.0.0"
-edition = "2021"
-[dependencies]
-zenjpeg = "=0.8.4"
-enough = "=0.4.5"
-zune-jpeg = "=0.5.15"
-zune-core = "=0.5.3"
-TOML
-cat > "$work/rust/src/main.rs" <<'RUST'
+rust_program 'zenjpeg = "=0.8.4"' 'enough = "=0.4.5"' 'zune-jpeg = "=0.5.15"' 'zune-core = "=0.5.3"' <<'RUST'
 use zenjpeg::decoder::{Decoder, PixelFormat};
 use zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions};
 use zune_jpeg::JpegDecoder;

@@ -29,7 +29,7 @@ impl<'a> Input<'a> {
         Input {
             file,
             at: 0,
-            // Few files have more fields, so the list rarely grows.
+            // Room for the fields of an uncompressed file.
             fields: Vec::with_capacity(64),
         }
     }

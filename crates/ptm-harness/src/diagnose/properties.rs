@@ -116,8 +116,8 @@ impl<'a> File<'a> {
     }
 }
 
-/// Reads the lists of a compressed file, without the parameter. Returns `None` for other formats and for lists with faults. `numbers` returns the numbers of
-/// a list, as written in the file.
+/// Reads the lists of a compressed file, without the parameter. Returns `None` for other formats and for lists with faults. `numbers`
+/// returns the numbers of a list, as written in the file.
 fn read_plan<'a>(format: Format, numbers: impl Fn(&str) -> Vec<&'a str>) -> Option<Compression> {
     fn list<T: FromStr>(texts: &[&str], count: usize) -> Option<Vec<T>> {
         let numbers: Option<Vec<T>> = texts.iter().map(|text| text.parse().ok()).collect();
@@ -254,7 +254,7 @@ fn data_properties(f: &File) -> [Property; 26] {
         let (_, exponent) = text.split_once(['e', 'E']).unwrap_or_default();
         exponent.starts_with(|first: char| first.is_ascii_digit())
     });
-    let has_both = any(|text| text.contains('.') && text.contains(['e', 'E']));
+    let has_point_and_exponent = any(|text| text.contains('.') && text.contains(['e', 'E']));
     let has_plus_in_exponent = any(|text| text.contains("e+") || text.contains("E+"));
     let has_plus = any(|text| text.starts_with('+'));
     let is_space = matches!(f.data, [9..=13 | b' ', ..]);
@@ -295,7 +295,7 @@ fn data_properties(f: &File) -> [Property; 26] {
         ),
         (
             "2.4/3 with a decimal point and an exponent in one number",
-            has_both,
+            has_point_and_exponent,
         ),
         (
             "2.4/3 with a number that starts or ends with its decimal point",
