@@ -3,6 +3,7 @@
 //! Each decoder makes one or two known mistakes. Its author could refute the sentences that the tests forbid.
 
 use std::cell::RefCell;
+use std::ops::Range;
 use std::sync::OnceLock;
 use std::time::Duration;
 
@@ -1627,6 +1628,67 @@ fn places_of_wrong_values_include_those_that_a_named_mistake_explains() {
     .says(&["value + 1"])
     .never_says("only in")
     .assert_true();
+}
+
+/// Reconstructs planes with another plan.
+fn reconstruct_as(
+    coded: &Coded,
+    residuals: Vec<Vec<u8>>,
+    reading: &Reading,
+    change: impl Fn(&mut Plan),
+) -> ptm::Result<Vec<Vec<u8>>> {
+    let mut plan = coded.plan.clone();
+    change(&mut plan);
+    let coded = Coded {
+        plan: &plan,
+        ..*coded
+    };
+    planes::reconstruct(&coded, residuals, reading)
+}
+
+/// Predicts the last three of nine planes without motion.
+fn without_motion_of_colors(plan: &mut Plan) {
+    if plan.steps.len() == 9 {
+        let colors = plan.steps[6..].iter_mut();
+        colors.for_each(|step| step.displaced = false);
+    }
+}
+
+/// Keeps only the first record of each plane.
+fn with_one_record(plan: &mut Plan) {
+    for Range { start, end } in plan.extents.iter_mut().map(|extent| &mut extent.side) {
+        *end = (*end).min(*start + 5);
+    }
+}
+
+/// The decoder predicts the color planes of LRGB without motion, and applies only the first record of each plane, which is named.
+/// Missing records leave wrong values in planes that are not predicted.
+#[test]
+fn planes_that_a_named_mistake_makes_wrong_are_not_called_correct() {
+    let suite = cases(is_compressed);
+    let without_motion = Reading {
+        reconstruct: |coded, residuals, reading| {
+            reconstruct_as(coded, residuals, reading, without_motion_of_colors)
+        },
+        ..Reading::SPEC
+    };
+    let with_both = Reading {
+        reconstruct: |coded, residuals, reading| {
+            reconstruct_as(coded, residuals, reading, |plan| {
+                without_motion_of_colors(plan);
+                with_one_record(plan);
+            })
+        },
+        ..Reading::SPEC
+    };
+    let elsewhere = "apart from what named mistakes explain, nowhere else";
+    let motion = printed_report(&suite, |request| answer_in(without_motion, request))
+        .says(&["wrong values in predicted planes, and nowhere else"])
+        .never_says(elsewhere);
+    let both = printed_report(&suite, |request| answer_in(with_both, request))
+        .says(&["reads only one record per plane"])
+        .says(&["wrong values in predicted planes", elsewhere]);
+    assert_all_true([motion, both]);
 }
 
 /// The decoder swaps the bytes of indices. It never ends on one file in which an index is then past the last entry.

@@ -11,6 +11,7 @@ use super::search::{MistakeId, MistakeSet, Search};
 use super::tuning::{MIN_SHARING_FILES, MIN_SUPPORT, is_most, is_substantial};
 use super::witness::Witness;
 use ptm::{Coding, Format, ScaleBias};
+use ptm_generate::planes::Compressed;
 use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
 
 /// The step at which the values of an image first differ.
@@ -281,7 +282,9 @@ fn first_difference(search: &Search, set: &[MistakeId], w: usize, with_order: bo
     if plain == Step::Color || witness.case.format().coding().is_none() {
         return plain;
     }
-    match first_difference_of_planes(&pair, witness) {
+    let planes = WrongPlanes::new(&pair, witness);
+    let of_planes = planes.map(|planes| planes.first_difference());
+    match of_planes.unwrap_or(Step::StoredValue) {
         step @ (Step::Prediction | Step::Correction | Step::CorrectedPlane) => step,
         step if pair.view == ViewKind::Raw || plain == Step::StoredValue => step,
         // A later step may explain the wrong samples of a stream.
@@ -352,50 +355,135 @@ pub(super) fn is_rearranged(pair: &ImagePair) -> bool {
     pair.wrong_samples().len() >= MIN_SUPPORT && sorted(&pair.expected) == sorted(&pair.received)
 }
 
-/// Returns the step for a compressed file: [`Step::Stream`] only if a plane that is neither predicted nor corrected has
-/// wrong values, as opposed to correct values in the wrong order.
-fn first_difference_of_planes(pair: &ImagePair, witness: &Witness) -> Step {
-    let Some(coded) = witness.model().and_then(|model| model.compressed.as_ref()) else {
-        return Step::StoredValue;
-    };
-    let wrong = pair.wrong_channels();
-    let plain = |plane: &usize| wrong[*plane] && witness.is_plain_plane(*plane);
-    let is_corrected = |i: &usize| {
+/// The wrong planes in the stored or final values of a compressed file.
+struct WrongPlanes<'a> {
+    pair: &'a ImagePair,
+    coded: &'a Compressed,
+    samples: Vec<usize>,
+    wrong: Vec<bool>,
+}
+
+impl<'a> WrongPlanes<'a> {
+    /// Returns `None` for a file without a model.
+    fn new(pair: &'a ImagePair, witness: &'a Witness) -> Option<WrongPlanes<'a>> {
+        let coded = witness.model()?.compressed.as_ref()?;
+        let samples = pair.wrong_samples();
+        let mut wrong = vec![false; pair.channels];
+        for i in &samples {
+            wrong[i % pair.channels] = true;
+        }
+        Some(WrongPlanes {
+            pair,
+            coded,
+            samples,
+            wrong,
+        })
+    }
+
+    /// Returns the wrong planes.
+    fn planes(&self) -> impl Iterator<Item = usize> {
+        (0..self.wrong.len()).filter(|&plane| self.wrong[plane])
+    }
+
+    fn is_predicted(&self, plane: usize) -> bool {
+        self.coded.plan.reference(plane).is_some()
+    }
+
+    /// Returns the wrong planes that are neither predicted nor corrected.
+    fn plain_planes(&self) -> impl Iterator<Item = usize> {
+        let is_plain = |plane: &usize| !self.is_predicted(*plane) && self.record_count(*plane) == 0;
+        self.planes().filter(is_plain)
+    }
+
+    fn record_count(&self, plane: usize) -> usize {
+        self.coded.planes[plane].records.len()
+    }
+
+    /// Returns the wrong planes that are not predicted from a wrong plane. Those that are show nothing.
+    fn roots(&self) -> Vec<usize> {
+        let is_wrong = |reference: usize| self.wrong[reference];
+        let is_root = |plane: &usize| !self.coded.plan.reference(*plane).is_some_and(is_wrong);
+        self.planes().filter(is_root).collect()
+    }
+
+    /// Returns the wrong samples of the roots.
+    fn samples_of_roots(&self) -> impl Iterator<Item = usize> {
+        let roots = self.roots();
+        let is_of_root = move |i: &usize| roots.contains(&(i % self.pair.channels));
+        self.samples.iter().copied().filter(is_of_root)
+    }
+
+    /// Returns true if side information corrects a sample.
+    fn is_corrected(&self, i: usize) -> bool {
+        let pair = self.pair;
         let (texel, plane) = (i / pair.channels, i % pair.channels);
         let (x, y) = (texel % pair.width, texel / pair.width);
         let stored = (pair.height - 1 - y) * pair.width + x;
-        let mut records = coded.planes[plane].records.iter();
+        let mut records = self.coded.planes[plane].records.iter();
         records.any(|&(position, _)| position as usize == stored)
-    };
-    let reference = |plane: usize| coded.plan.reference(plane);
-    // Planes that are predicted from a wrong plane are no evidence.
-    let is_root =
-        |plane: &usize| wrong[*plane] && reference(*plane).is_none_or(|other| !wrong[other]);
-    let roots: Vec<usize> = (0..wrong.len()).filter(is_root).collect();
-    // A misread record leaves one texel uncorrected and changes at most one other. Prediction does not affect corrected texels.
-    let records = roots.iter().map(|&plane| coded.planes[plane].records.len());
-    let mut samples = pair.wrong_samples();
-    samples.retain(|i| roots.contains(&(i % pair.channels)));
-    if samples.is_empty() {
-        Step::StoredValue
-    } else if samples.iter().all(is_corrected) {
-        Step::Correction
-    } else if samples.iter().any(is_corrected)
-        && records.clone().all(|count| count > 0)
-        && samples.len() <= 2 * records.sum::<usize>()
-    {
-        Step::CorrectedPlane
-    } else if (0..wrong.len()).all(|plane| !wrong[plane] || reference(plane).is_some()) {
-        Step::Prediction
-    } else if (0..wrong.len()).any(|plane| plain(&plane)) {
-        let is_moved = |plane: usize| is_rearranged(&pair.channel(plane));
-        match (0..wrong.len()).filter(plain).all(is_moved) {
-            true => Step::Rearranged,
-            false => Step::Stream,
-        }
-    } else {
-        Step::StoredValue
     }
+
+    /// Returns true if the wrong values are where a mistake in a step shows: in predicted planes only, or only at texels or in planes
+    /// with records and in planes predicted from them, or in some plain plane, or there in another order.
+    fn are_of(&self, step: Step) -> bool {
+        match step {
+            Step::Prediction => self.planes().all(|plane| self.is_predicted(plane)),
+            Step::Correction => self.samples_of_roots().all(|i| self.is_corrected(i)),
+            Step::CorrectedPlane => self
+                .roots()
+                .iter()
+                .all(|&plane| self.record_count(plane) > 0),
+            Step::Stream => self.plain_planes().next().is_some(),
+            Step::Rearranged => {
+                let is_moved = |plane: usize| is_rearranged(&self.pair.channel(plane));
+                self.are_of(Step::Stream) && self.plain_planes().all(is_moved)
+            }
+            _ => true,
+        }
+    }
+
+    /// Returns the step at which the values first differ: [`Step::Stream`] only if a plane that is neither predicted nor corrected
+    /// has wrong values, as opposed to correct values in the wrong order.
+    fn first_difference(&self) -> Step {
+        let roots = self.roots();
+        let records = roots.iter().map(|&plane| self.record_count(plane));
+        if roots.is_empty() {
+            Step::StoredValue
+        } else if self.are_of(Step::Correction) {
+            Step::Correction
+        } else if self.are_of(Step::CorrectedPlane)
+            && self.samples_of_roots().any(|i| self.is_corrected(i))
+            // A misread record leaves one texel uncorrected and changes at most one other.
+            && self.samples_of_roots().count() <= 2 * records.sum::<usize>()
+        {
+            Step::CorrectedPlane
+        } else if self.are_of(Step::Prediction) {
+            Step::Prediction
+        } else if self.are_of(Step::Rearranged) {
+            Step::Rearranged
+        } else if self.are_of(Step::Stream) {
+            Step::Stream
+        } else {
+            Step::StoredValue
+        }
+    }
+}
+
+/// Returns true if the values in each of these images that differ from those of a decoder with the mistakes in `set` are where a
+/// mistake in `step` shows. Colors do not show it.
+pub(super) fn are_differences_of(
+    search: &Search,
+    set: &[MistakeId],
+    step: Step,
+    cases: &[usize],
+) -> bool {
+    let mut cases = cases.iter().map(|&w| (w, &search.witnesses[w]));
+    cases.all(|(w, witness)| {
+        let is_of_step = |pair: &ImagePair| {
+            WrongPlanes::new(pair, witness).is_some_and(|planes| planes.are_of(step))
+        };
+        witness.is_rgb() || image_pair(search, set, w).as_ref().is_some_and(is_of_step)
+    })
 }
 
 /// Returns one flag per channel: true if the channel is wrong in an image of the earliest view. Returns an empty list if the

@@ -11,7 +11,7 @@ use crate::diagnose::diagnosis::{Category, CauseText, Diagnosis};
 use crate::diagnose::groups::Group;
 use crate::diagnose::image_pair::{ImagePair, image_pair};
 use crate::diagnose::mistake::{COLORS, ChannelSubset};
-use crate::diagnose::place::{Step, is_rearranged, wrong_channels};
+use crate::diagnose::place::{Step, are_differences_of, is_rearranged, wrong_channels};
 use crate::diagnose::search::{MistakeId, MistakeSet, Search, without_id};
 use crate::diagnose::tuning::{MIN_READ_FILES, MIN_SHARING_FILES, MIN_SUPPORT, is_nearly_all};
 use crate::diagnose::witness::Witness;
@@ -58,15 +58,15 @@ const fn effect_and_fix(step: Step) -> [&'static str; 2] {
             "decode the stream in the example with another JPEG or JPEG-LS decoder; if the samples are equal, the mistake is in a later step",
         ],
         Step::Prediction => [
-            "shows wrong values in predicted planes; planes that are not predicted are correct",
+            "shows wrong values in predicted planes",
             "compute the sample in the example by hand from the residual and the reference",
         ],
         Step::Correction => [
-            "shows wrong values only at texels that side information corrects, and in planes predicted from them",
+            "shows wrong values at texels that side information corrects, and in planes predicted from them",
             "read the record in the example by hand, and check the bytes, the position and the value",
         ],
         Step::CorrectedPlane => [
-            "shows wrong values only in planes with side information, and in planes predicted from them",
+            "shows wrong values in planes with side information, and in planes predicted from them",
             "read the records of the plane in the example by hand, and check the bytes, the position and the value of each",
         ],
         Step::StoredValue => [
@@ -106,21 +106,23 @@ pub(in crate::diagnose) fn describe(
             "compare the code that computes and writes the values of view coef with the code that computes colors; docs/protocol.md describes the bytes",
         ],
         Step::Stream => [wrong_planes(search, cases), effect_and_fix(step)[1]],
-        Step::Rearranged if !are_rearranged(search, set, cases) => {
+        Step::Rearranged if !are_rearranged(search, cases) => {
             let is_coded = |&w: &usize| witnesses[w].case.format().coding().is_some();
             match cases.iter().all(is_coded) {
-                true => [
+                true if are_differences_of(search, &[], step, cases) => [
                     "shows the correct values in the wrong places, in planes that are neither predicted nor corrected",
                     effect_and_fix(step)[1],
                 ],
+                true => [wrong_planes(search, cases), effect_and_fix(Step::Stream)[1]],
                 false => effect_and_fix(Step::StoredValue),
             }
         }
         _ => effect_and_fix(step),
     };
+    let effect = format!("{effect}{}", elsewhere(search, set, step, cases));
     let [_, swap_fix] = effect_and_fix(Step::Rearranged);
     let swapped = swapped_channels(search, cases, &wrong);
-    let (effect, fix) = match (swapped, exchanged_axes(search, set, step, cases)) {
+    let (effect, fix) = match (swapped, exchanged_axes(search, step, cases)) {
         (Some([first, second]), _) => (format!("swaps {first} and {second}"), swap_fix),
         (None, Some(axes)) => (
             format!(
@@ -132,7 +134,7 @@ pub(in crate::diagnose) fn describe(
         (None, None) => (
             format!(
                 "{effect}{}{}{}{}{}{}",
-                shape_text(search, set, step, cases),
+                shape_text(search, step, cases),
                 value_text(search, cases),
                 source_text(search, cases),
                 channel_text(search, cases, &wrong),
@@ -157,8 +159,8 @@ pub(in crate::diagnose) fn describe(
 
 /// Returns true if each of these images in the first of their views has the correct samples in another order. Predicted planes have
 /// other samples if their reference is moved.
-fn are_rearranged(search: &Search, set: &[MistakeId], cases: &[usize]) -> bool {
-    let pairs = cases.iter().filter_map(|&w| image_pair(search, set, w));
+fn are_rearranged(search: &Search, cases: &[usize]) -> bool {
+    let pairs = cases.iter().filter_map(|&w| image_pair(search, &[], w));
     let pairs: Vec<ImagePair> = pairs.collect();
     let first = pairs.iter().map(|pair| pair.view).min();
     let mut of_view = pairs.iter().filter(|pair| Some(pair.view) == first);
@@ -170,12 +172,7 @@ const AXES: [&str; 3] = ["height", "width", "channels"];
 
 /// Returns the axes of the received arrays, such as "channels, height, width", if all have the sizes of the expected ones in this
 /// order.
-fn exchanged_axes(
-    search: &Search,
-    set: &MistakeSet,
-    step: Step,
-    cases: &[usize],
-) -> Option<String> {
+fn exchanged_axes(search: &Search, step: Step, cases: &[usize]) -> Option<String> {
     // The images of other steps have the expected sizes.
     if !matches!(step, Step::Size | Step::Channels) {
         return None;
@@ -183,7 +180,7 @@ fn exchanged_axes(
     let sizes = |frame: &Frame| [frame.height, frame.width, frame.channels];
     let shapes = cases.iter().map(|&w| {
         let received = search.witnesses[w].wrong_image()?;
-        match &*search.best_answer(w, set) {
+        match &*search.best_answer(w, &[]) {
             Answer::Decoded(expected) => Some((sizes(received), sizes(expected))),
             _ => None,
         }
@@ -220,10 +217,10 @@ const SIZES: [(&str, fn([u32; 2]) -> Option<u32>); 9] = [
 
 /// Returns text such as ": 4 channels instead of 3 channels" if all images of a group have the same wrong shape, or ": height × height
 /// instead of width × height" if all sizes follow from the expected ones in the same way.
-fn shape_text(search: &Search, set: &MistakeSet, step: Step, cases: &[usize]) -> String {
+fn shape_text(search: &Search, step: Step, cases: &[usize]) -> String {
     let frames = cases.iter().filter_map(|&w| {
         let received = search.witnesses[w].wrong_image()?;
-        match &*search.best_answer(w, set) {
+        match &*search.best_answer(w, &[]) {
             Answer::Decoded(expected) => Some((received, expected.clone())),
             _ => None,
         }
@@ -281,6 +278,22 @@ fn wrong_planes(search: &Search, cases: &[usize]) -> &'static str {
         (true, _) => effect_and_fix(Step::Stream)[0],
         (false, true) => "shows wrong values in planes that are not predicted",
         _ => "shows wrong values in planes, predicted or not",
+    }
+}
+
+/// Returns what is known about the values outside the planes and texels in which images of compressed files first differ, such as
+/// ", and nowhere else".
+fn elsewhere(search: &Search, set: &[MistakeId], step: Step, cases: &[usize]) -> &'static str {
+    let are_there = |set: &[MistakeId]| are_differences_of(search, set, step, cases);
+    match step {
+        Step::Prediction | Step::Correction | Step::CorrectedPlane => {
+            match (are_there(&[]), are_there(set)) {
+                (true, _) => ", and nowhere else",
+                (false, true) => ", and, apart from what named mistakes explain, nowhere else",
+                (false, false) => "",
+            }
+        }
+        _ => "",
     }
 }
 
