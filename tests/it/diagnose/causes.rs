@@ -694,7 +694,7 @@ fn every_misreading_is_named_with_line_feed_after_tables() {
 }
 
 /// Generates the same pseudorandom sets of compatible misreadings on every platform.
-fn random_sets(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
+pub(super) fn random_sets(count: usize, size: usize) -> Vec<Vec<&'static Misreading>> {
     let all: Vec<&'static Misreading> = ptm_mistakes::all().collect();
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
     let mut draw = || {

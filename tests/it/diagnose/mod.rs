@@ -1,6 +1,7 @@
 #![cfg(unix)]
 
 mod causes;
+mod claims;
 mod precision;
 mod recordings;
 mod sentences;

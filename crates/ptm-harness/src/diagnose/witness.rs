@@ -125,7 +125,8 @@ pub(super) fn witnesses<'a>(suite: &'a Suite, run: &'a Run, threads: usize) -> V
     let mut legal_files: HashMap<_, [usize; 3]> = HashMap::new();
     for (case_index, case) in suite.cases.iter().enumerate() {
         let judged = run.judgment.cases[case_index].as_ref();
-        let Some(judged) = judged.filter(|_| case.expect == Expect::Decode) else {
+        let is_asked = run.observations[case_index].is_some();
+        let Some(judged) = judged.filter(|_| is_asked && case.expect == Expect::Decode) else {
             continue;
         };
         let [all, inconclusive, inconsistent] = legal_files.entry(case.format()).or_default();
