@@ -555,8 +555,15 @@ fn properties_of_numbers_sizes_and_data_are_named() {
         let exponent = number.split_once(['e', 'E']);
         exponent.is_some_and(|(_, exponent)| !exponent.starts_with(['+', '-']))
     }
+    fn has_exponent_without_point(number: &str) -> bool {
+        number.contains(['e', 'E']) && !number.contains('.')
+    }
     type Refuses = fn(&[u8], &Frame) -> bool;
-    let decoders: [(&str, Refuses); 4] = [
+    let decoders: [(&str, Refuses); 5] = [
+        (
+            "an exponent and no decimal point in one number",
+            |file, _| numbers(file).into_iter().any(has_exponent_without_point),
+        ),
         ("an exponent without a sign in a number", |file, _| {
             numbers(file).into_iter().any(has_bare_exponent)
         }),
@@ -581,6 +588,55 @@ fn properties_of_numbers_sizes_and_data_are_named() {
             answer => answer,
         })
         .says(&["refuses every legal file with", property])
+        .assert_true();
+    }
+}
+
+#[test]
+fn properties_of_planes_are_named() {
+    type Refuses = fn(&Plan, &[u8]) -> bool;
+    let decoders: [(&str, Refuses); 4] = [
+        ("prediction from a plane of another color", |plan, _| {
+            let mut steps = plan.steps.iter().enumerate();
+            plan.steps.len() == 18
+                && steps.any(|(i, step)| step.reference.is_some_and(|other| other / 6 != i / 6))
+        }),
+        (
+            "side information for planes with inverted references",
+            |plan, _| {
+                let mut steps = plan.steps.iter().zip(&plan.extents);
+                steps.any(|(step, extent)| {
+                    step.reference.is_some() && step.inverted && !extent.side.is_empty()
+                })
+            },
+        ),
+        (
+            "a transform other than 0 for an intra-coded plane",
+            |plan, _| {
+                let mut intra = plan.steps.iter().filter(|step| step.reference.is_none());
+                intra.any(|step| step.inverted || step.displaced)
+            },
+        ),
+        (
+            "an order other than 0 for an intra-coded plane",
+            |plan, file| {
+                let ranks = field_texts(file, &["2.9.4/1"]);
+                let mut ranks = plan.steps.iter().zip(ranks);
+                ranks.any(|(step, rank)| step.reference.is_none() && rank != "0")
+            },
+        ),
+    ];
+    let suite = cases(is_compressed);
+    for (property, is_refused) in decoders {
+        printed_report(&suite, |request| {
+            match (reference_answer(request), plan_of(request.file)) {
+                (Answer::Decoded(_), Some(plan)) if is_refused(&plan, request.file) => {
+                    Answer::Rejected
+                }
+                (answer, _) => answer,
+            }
+        })
+        .says(&["refuses every ", property])
         .assert_true();
     }
 }

@@ -10,7 +10,7 @@ use ptm::decode::planes::{parse_records, side_information};
 use ptm::parts::Extent;
 use ptm::{Coding, Field, Format};
 use ptm_generate::spelling::{Count, Line, Lists};
-use ptm_generate::{MOTION, Recipe, plan::Compression, planes::StoredPlane};
+use ptm_generate::{INVERSION, MOTION, Recipe, plan::Compression, planes::StoredPlane};
 use ptm_suite::protocol::frame::{Answer, View};
 
 impl Witness<'_> {
@@ -239,7 +239,7 @@ fn spelling_properties(f: &File) -> [Property; 15] {
     ]
 }
 
-fn data_properties(f: &File) -> [Property; 26] {
+fn data_properties(f: &File) -> [Property; 27] {
     let [scales, biases, _] = &f.numbers;
     let value = |text: &str| text.parse().unwrap_or(0.0);
     let is_negative = |texts: &[&str]| texts.iter().any(|text| value(text) < 0.0);
@@ -255,6 +255,7 @@ fn data_properties(f: &File) -> [Property; 26] {
         exponent.starts_with(|first: char| first.is_ascii_digit())
     });
     let has_point_and_exponent = any(|text| text.contains('.') && text.contains(['e', 'E']));
+    let has_exponent_alone = any(|text| !text.contains('.') && text.contains(['e', 'E']));
     let has_plus_in_exponent = any(|text| text.contains("e+") || text.contains("E+"));
     let has_plus = any(|text| text.starts_with('+'));
     let is_space = matches!(f.data, [9..=13 | b' ', ..]);
@@ -298,6 +299,10 @@ fn data_properties(f: &File) -> [Property; 26] {
             has_point_and_exponent,
         ),
         (
+            "2.4/3 with an exponent and no decimal point in one number",
+            has_exponent_alone,
+        ),
+        (
             "2.4/3 with a number that starts or ends with its decimal point",
             has_outer_point,
         ),
@@ -330,7 +335,7 @@ fn data_properties(f: &File) -> [Property; 26] {
     ]
 }
 
-fn prediction_properties(f: &File) -> [Property; 14] {
+fn prediction_properties(f: &File) -> [Property; 18] {
     let plan = f.plan.as_ref();
     let has = |test: fn(&Compression) -> bool| plan.is_some_and(test);
     let vectors = f.vectors();
@@ -351,10 +356,24 @@ fn prediction_properties(f: &File) -> [Property; 14] {
     let inverts = has(Compression::inverts);
     let corrects_intra = corrected().any(|plane| reference(plane).is_none());
     let corrects_predicted = corrected().any(|plane| reference(plane).is_some());
+    let transform = |plane: usize| plan.map_or(0, |plan| plan.transforms[plane]);
+    let is_inverted =
+        |plane: usize| reference(plane).is_some() && transform(plane) & INVERSION != 0;
+    let corrects_inverted = corrected().any(is_inverted);
+    let mut intra = (0..planes).filter(|&plane| reference(plane).is_none());
+    let has_idle_transform = intra.clone().any(|plane| transform(plane) != 0);
+    let has_late_intra = intra.any(|plane| plan.is_some_and(|plan| plan.order[plane] != 0));
+    let color = |plane: usize| (planes == 18).then_some(plane / 6);
+    let mixes_colors =
+        (0..planes).any(|p| reference(p).is_some_and(|other| color(p) != color(other)));
     [
         ("2.9.5/4 with predicted planes", has(Compression::predicts)),
         ("2.9.2/1 with a transform other than 0", is_transformed),
         ("2.9.2/3 with inverted references", inverts),
+        (
+            "2.9.2/1 with a transform other than 0 for an intra-coded plane",
+            has_idle_transform,
+        ),
         (
             "2.9.2/4 with motion compensation in a predicted plane",
             displaces,
@@ -366,6 +385,14 @@ fn prediction_properties(f: &File) -> [Property; 14] {
             is_negative,
         ),
         ("2.9.4/1 with an order other than 0, 1, 2, …", is_reordered),
+        (
+            "2.9.4/1 with an order other than 0 for an intra-coded plane",
+            has_late_intra,
+        ),
+        (
+            "2.9.5/1 with prediction from a plane of another color",
+            mixes_colors,
+        ),
         ("2.9.4/2 with prediction from a later plane", is_later),
         ("2.9.4/2 with prediction from a predicted plane", is_chained),
         ("2.9.8/4 with side information", is_corrected),
@@ -377,6 +404,10 @@ fn prediction_properties(f: &File) -> [Property; 14] {
         (
             "2.9.8/7 with side information for predicted planes",
             corrects_predicted,
+        ),
+        (
+            "2.9.8/7 with side information for planes with inverted references",
+            corrects_inverted,
         ),
     ]
 }
