@@ -13,6 +13,7 @@ use ptm_suite::choices::CHOICES;
 use ptm_suite::compare::Expected;
 use ptm_suite::protocol::frame::{Answer, Frame, ViewKind};
 use ptm_suite::protocol::request::Request;
+use ptm_suite::verdicts::observation::Response;
 
 /// A wrong image of a listed case.
 struct WrongImage<'a> {
@@ -213,6 +214,7 @@ pub fn false_claims(
             problems: Vec::new(),
         };
         claims.check_counts(suite, run);
+        claims.check_responses(suite, run);
         if cause.misreading.is_none() && !cause.effect.starts_with("computes ") {
             claims.check_shapes();
             claims.check_places();
@@ -387,6 +389,27 @@ impl Claims<'_> {
             if differs {
                 let problem = format!("{} has another wrong sample: {effect}", image.case.id);
                 self.problems.push(problem);
+                break;
+            }
+        }
+    }
+
+    /// Checks that files are said to be refused or accepted only if all of them are.
+    fn check_responses(&mut self, suite: &Suite, run: &Run) {
+        let effect = self.cause.effect.clone();
+        let is_only_refused = effect.starts_with("refuses ") && !effect.contains(" and ");
+        let is_accepted = effect.starts_with("accepts malformed files");
+        for id in &self.cause.explains {
+            let case = suite.cases.iter().position(|case| case.id == *id);
+            let observation = case.and_then(|i| run.observations[i].as_ref());
+            let Some(response) = observation.map(|observation| &observation.response) else {
+                continue;
+            };
+            let is_image = matches!(response, Response::Image { .. });
+            let is_refusal = matches!(response, Response::Rejected);
+            if is_only_refused && !is_refusal || is_accepted && !is_image {
+                self.problems
+                    .push(format!("{id} has another response: {effect}"));
                 break;
             }
         }

@@ -99,7 +99,8 @@ fn is_founded(
             || acceptances::count_of_the_same_kind(search.witnesses, explained, left)
                 <= explained.len())
         && covers_its_kind()
-        && (rules::is_shown(search, set, id, explained) || rules::refuses_no_image(search, id))
+        && (rules::is_shown(search, set, id, explained) && !are_refusals
+            || rules::refuses_no_image(search, id))
         && rules::checks_all_indices(search, set, id, explained)
         && !search.is_contradicted_anywhere(&without_id(set, id), id)
 }
@@ -233,6 +234,7 @@ fn diagnose_member(
         return vec![diagnose_edit(search, set, member.id, share)];
     };
     let is_shown = rules::is_shown(search, set, member.id, explained);
+    let are_refusals = misreading.symptom == Symptom::Refusals;
     // Only misreadings of the catalog are reported.
     let listed = |&id: &MistakeId| Some((id, search.mistakes[id].unrestricted_misreading()?));
     let alike = member
@@ -241,7 +243,7 @@ fn diagnose_member(
         .filter_map(listed)
         .filter(|&(other, _)| rules::looks_the_same(search, set, [member.id, other], explained))
         .filter(|&(other, _)| !search.is_contradicted_anywhere(&without_id(set, member.id), other))
-        .filter(|&(other, _)| is_shown || rules::refuses_no_image(search, other))
+        .filter(|&(other, _)| is_shown && !are_refusals || rules::refuses_no_image(search, other))
         .map(|(_, misreading)| misreading);
     let alike: Vec<&'static Misreading> = alike.collect();
     let is_unique = alike.iter().all(|other| other.clause == misreading.clause);
@@ -253,31 +255,35 @@ fn diagnose_member(
             |&id: &MistakeId| search.mistakes[id].unrestricted_misreading().is_some();
         let others = without_id(set, member.id).into_iter().filter(is_in_catalog);
         let others: MistakeSet = others.collect();
-        let is_sufficient = |misreading: &&'static Misreading| {
-            let is_same = |&id: &MistakeId| {
-                let other = search.mistakes[id].unrestricted_misreading();
-                other.is_some_and(|other| other.slug == misreading.slug)
+        let that_reproduce = |cases: &[usize], others: &[MistakeId]| -> Vec<&'static Misreading> {
+            let is_sufficient = |misreading: &&Misreading| {
+                let is_same = |&id: &MistakeId| {
+                    let other = search.mistakes[id].unrestricted_misreading();
+                    other.is_some_and(|other| other.slug == misreading.slug)
+                };
+                let id = (0..search.mistakes.len()).find(is_same);
+                let set: MistakeSet = others.iter().copied().chain(id).collect();
+                cases.iter().all(|&w| search.explains(w, &set))
             };
-            let id = (0..search.mistakes.len()).find(is_same);
-            let set: MistakeSet = others.iter().copied().chain(id).collect();
-            explained.iter().all(|&w| search.explains(w, &set))
+            let candidates = candidates.iter().copied();
+            candidates.filter(is_sufficient).collect()
         };
-        let alike: Vec<&'static Misreading> =
-            candidates.into_iter().filter(is_sufficient).collect();
         let is_accepted = |w: &usize| FailureMode::new(&witnesses[*w]).is_none();
         let (accepted, stopped): (Vec<usize>, Vec<usize>) =
             explained.iter().copied().partition(is_accepted);
         let mut observations = Vec::new();
         if !accepted.is_empty() {
-            observations.push(acceptances::describe_group(witnesses, &accepted));
+            let alike = that_reproduce(&accepted, &others);
+            let observation = acceptances::describe_group(witnesses, &accepted);
+            observations.push(observation.with_equivalents(alike));
         }
         if !stopped.is_empty() {
-            observations.push(refusals::describe_failures(witnesses, &stopped));
+            // The other mistakes may be observations, too, so each misreading must reproduce all of these failures alone.
+            let alike = that_reproduce(&stopped, &[]);
+            let observation = refusals::describe_failures(witnesses, &stopped);
+            observations.push(observation.with_equivalents(alike));
         }
-        let observations = observations.into_iter();
-        return observations
-            .map(|one| one.with_equivalents(alike.clone()))
-            .collect();
+        return observations;
     }
     let cause = Cause::Misreading {
         misreading,

@@ -288,10 +288,13 @@ impl<'a> Search<'a> {
         self.effect(w, set).answer != self.effect(w, other).answer
     }
 
-    /// Returns true if the response to case `w` contradicts the mistake `id` of a decoder that also makes the mistakes in `set`.
+    /// Returns true if the response to case `w` contradicts the mistake `id` of a decoder that also makes the mistakes in `set`. A
+    /// mistake in `set` that excludes `id` does not explain the response of a decoder with `id`.
     pub fn is_contradicted(&self, w: usize, set: &[MistakeId], id: MistakeId) -> bool {
         let mistake = &self.mistakes[id];
-        let both = with_id(set, id);
+        let mut both = set.to_vec();
+        both.retain(|&other| self.can_combine(other, id));
+        both.push(id);
         let contradicts = |without: Effect, with: Effect| {
             self.witnesses[w].can_contradict(mistake, with.agreement)
                 && rules::contradicts(without, with)

@@ -374,6 +374,8 @@ impl TexelLayout<'_> {
         }
         let layout = [entries, size, bytes];
         let last = Cell::new((f64::NAN, f64::NAN, 0.0));
+        let may_be_outside =
+            |index: usize| index >= count && matches!(self.outside, Outside::Byte(_));
         let index_at = |row: f64, column: f64| -> Result<f64> {
             if last.get().0 == row && last.get().1 == column {
                 return Ok(last.get().2);
@@ -394,9 +396,10 @@ impl TexelLayout<'_> {
             };
             // An edited index retains its fraction and its sign, so that its address is refused.
             let entry = match index_of(index) {
+                // Only an index past the table may find any byte. Others are refused because a mistake refuses them.
                 Some(whole) => (self.reading.entry)(whole, count)
                     .map(|entry| entry as f64)
-                    .or(matches!(self.outside, Outside::Byte(_)).then_some(index))
+                    .or_else(|| may_be_outside(whole).then_some(index))
                     .ok_or_else(|| outside_data_error(0))?,
                 None => index,
             };
