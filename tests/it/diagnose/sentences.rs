@@ -209,17 +209,16 @@ impl PrintedReport {
                 };
                 let is_image = matches!(observation.response, Response::Image { .. });
                 let file = &case.build(run.table).file;
+                let request = Request::new(&case.id, &observation.view, file, 1 << 24);
                 is_image
-                    && !case.expect.is_refusal()
-                    && answer_with(
-                        &[misreading],
-                        &Request::new(&case.id, &observation.view, file, 1 << 24),
-                    ) == Answer::Rejected
+                    && matches!(reference_answer(&request), Answer::Decoded(_))
+                    && answer_with(&[misreading], &request) == Answer::Rejected
             });
-            let count = refused.count();
-            if count > 0 {
+            let refused: Vec<&String> = refused.map(|(case, _)| &case.id).collect();
+            if let [first, ..] = refused[..] {
                 self.problems.push(format!(
-                    "the decoder shows an image of {count} files that {} refuses",
+                    "the decoder shows an image of {} files that {} refuses, for example {first}",
+                    refused.len(),
                     misreading.slug
                 ));
             }
