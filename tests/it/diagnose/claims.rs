@@ -348,6 +348,11 @@ impl Claims<'_> {
             |image| image.has_wrong_plane(false),
         );
         let first = self.images.iter().map(|image| image.expected.view).min();
+        let values = ["wrong stored values", "wrong final values"];
+        let are_values = values.iter().any(|words| self.cause.effect.contains(words));
+        if are_values && first == Some(ViewKind::Rgb) {
+            self.refute("no image", "shows these values");
+        }
         if !self
             .cause
             .effect

@@ -2213,6 +2213,26 @@ fn correct_colors_contradict_channels_outside_the_texel() {
     .assert_true();
 }
 
+/// The decoder reads the biases in reverse order, and leaves the middle row of files of odd height empty. The stored values of other
+/// files are correct, so their colors are not said to follow from stored values.
+#[test]
+fn colors_without_earlier_values_are_wrong_colors() {
+    let suite = cases(is_uncompressed);
+    printed_report(&suite, |request| {
+        answer_with_map(request.file, request.view, |ptm| {
+            ptm.header.scale_bias.bias.reverse();
+            let Size { width, height } = ptm.header.size;
+            let row = width as usize * ptm.planes.shape.channels();
+            let middle = height as usize / 2;
+            if height % 2 == 1 {
+                ptm.planes.samples[middle * row..][..row].fill(0);
+            }
+        })
+    })
+    .says(&["every wrong sample in view raw is 0", "odd height"])
+    .assert_true();
+}
+
 /// Two mistakes in files with tables: one of the index or of its width, and refusals of many texels. A mistake that refuses files with
 /// correct images does not explain the refusals, even if the other mistake changes the same value.
 #[test]

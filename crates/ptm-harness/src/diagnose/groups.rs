@@ -168,7 +168,7 @@ pub(super) fn group_images(
         by_step.entry(step).or_default().push(w);
     }
     let mut groups: Vec<(Step, Group)> = Vec::new();
-    for (step, mut open) in by_step {
+    while let Some((step, mut open)) = by_step.pop_first() {
         let mut parts: Vec<Group> = Vec::new();
         for formats in format_sets(witnesses, &open) {
             let Some(shared) = image_scope(search, &formats, &open, &known, steps) else {
@@ -186,7 +186,15 @@ pub(super) fn group_images(
             None => vec![[coded, plain].concat()],
         };
         for cases in rest.into_iter().filter(|cases| !cases.is_empty()) {
-            parts.push(Group::new(witnesses, cases, None));
+            let are_colors = cases.iter().all(|&w| witnesses[w].is_rgb());
+            if are_colors && (Step::Stream..Step::Color).contains(&step) {
+                // Other causes have the earlier values, so these images show wrong colors only.
+                let colors = by_step.entry(Step::Color).or_default();
+                colors.extend(cases);
+                colors.sort_unstable();
+            } else {
+                parts.push(Group::new(witnesses, cases, None));
+            }
         }
         // Files with the same property belong to the group that differs in the earliest step.
         for part in parts {
