@@ -25,6 +25,8 @@ pub(super) struct Attribution {
     pub diagnoses: Vec<Diagnosis>,
     /// The mistakes.
     pub set: MistakeSet,
+    /// Those of them that the diagnoses name.
+    pub named: MistakeSet,
     /// The failures that the mistakes do not reproduce.
     pub left: Vec<usize>,
 }
@@ -113,7 +115,7 @@ fn describe_shares(
     whole: &[WholeFormats],
 ) -> Attribution {
     let set = ids_of(found);
-    let mut diagnoses = Vec::new();
+    let (mut diagnoses, mut named) = (Vec::new(), Vec::new());
     for formats in whole {
         diagnoses.extend(diagnose_whole_formats(
             search,
@@ -125,12 +127,20 @@ fn describe_shares(
     }
     for (member, share) in found.iter().zip(&shares) {
         if !share.explains.is_empty() {
-            diagnoses.extend(diagnose_member(search, &set, member, share));
+            let of_member = diagnose_member(search, &set, member, share);
+            named.extend(
+                of_member
+                    .iter()
+                    .any(|one| one.is_mechanism)
+                    .then_some(member.id),
+            );
+            diagnoses.extend(of_member);
         }
     }
     Attribution {
         diagnoses,
         set,
+        named,
         left,
     }
 }
@@ -255,14 +265,16 @@ fn diagnose_member(
             |&id: &MistakeId| search.mistakes[id].unrestricted_misreading().is_some();
         let others = without_id(set, member.id).into_iter().filter(is_in_catalog);
         let others: MistakeSet = others.collect();
-        let that_reproduce = |cases: &[usize], others: &[MistakeId]| -> Vec<&'static Misreading> {
+        let id_of = |misreading: &Misreading| {
+            let is_same = |&id: &MistakeId| {
+                let other = search.mistakes[id].unrestricted_misreading();
+                other.is_some_and(|other| other.slug == misreading.slug)
+            };
+            (0..search.mistakes.len()).find(is_same)
+        };
+        let that_reproduce = |cases: &[usize], with: &[MistakeId]| -> Vec<&'static Misreading> {
             let is_sufficient = |misreading: &&Misreading| {
-                let is_same = |&id: &MistakeId| {
-                    let other = search.mistakes[id].unrestricted_misreading();
-                    other.is_some_and(|other| other.slug == misreading.slug)
-                };
-                let id = (0..search.mistakes.len()).find(is_same);
-                let set: MistakeSet = others.iter().copied().chain(id).collect();
+                let set: MistakeSet = with.iter().copied().chain(id_of(misreading)).collect();
                 cases.iter().all(|&w| search.explains(w, &set))
             };
             let candidates = candidates.iter().copied();
@@ -279,7 +291,10 @@ fn diagnose_member(
         }
         if !stopped.is_empty() {
             // The other mistakes may be observations, too, so each misreading must reproduce all of these failures alone.
-            let alike = that_reproduce(&stopped, &[]);
+            let mut alike = that_reproduce(&stopped, &[]);
+            alike.retain(|misreading| {
+                id_of(misreading).is_some_and(|id| rules::refuses_no_image(search, id))
+            });
             let observation = refusals::describe_failures(witnesses, &stopped);
             observations.push(observation.with_equivalents(alike));
         }

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::failure_mode::{FailureMode, message_form};
-use super::place::Step;
+use super::image_pair::image_pair;
+use super::place::{Step, is_rearranged};
 use super::properties::VIEW_PROPERTIES;
 use super::rules;
 use super::scope::{FileScope, SharedScope, common_property, format_sets, shared_scope};
@@ -186,15 +187,11 @@ pub(super) fn group_images(
             None => vec![[coded, plain].concat()],
         };
         for cases in rest.into_iter().filter(|cases| !cases.is_empty()) {
-            let are_colors = cases.iter().all(|&w| witnesses[w].is_rgb());
-            if are_colors && (Step::Stream..Step::Color).contains(&step) {
-                // Other causes have the earlier values, so these images show wrong colors only.
-                let colors = by_step.entry(Step::Color).or_default();
-                colors.extend(cases);
-                colors.sort_unstable();
-            } else {
-                parts.push(Group::new(witnesses, cases, None));
-            }
+            parts.push(Group::new(witnesses, cases, None));
+        }
+        // If other causes have all earlier values, images show wrong colors only.
+        for group in parts.extract_if(.., |group| shows_only_colors(search, step, &group.cases)) {
+            by_step.entry(Step::Color).or_default().extend(group.cases);
         }
         // Files with the same property belong to the group that differs in the earliest step.
         for part in parts {
@@ -208,6 +205,15 @@ pub(super) fn group_images(
         }
     }
     groups
+}
+
+/// Returns true if these are images of colors that do not show that values differ in an earlier step.
+fn shows_only_colors(search: &Search, step: Step, cases: &[usize]) -> bool {
+    let shows_step = |&w: &usize| {
+        let is_moved = || image_pair(search, &[], w).is_some_and(|pair| is_rearranged(&pair));
+        !search.witnesses[w].is_rgb() || step == Step::Rearranged && is_moved()
+    };
+    (Step::Rearranged..Step::Color).contains(&step) && !cases.iter().any(shows_step)
 }
 
 /// Returns what most of these wrong images share and no known image has.

@@ -93,7 +93,11 @@ pub fn diagnose_among(
         search.run(edits::add_candidates)
     };
     let attribution = attribution::attribute_failures(&search, found);
-    let mut causes = describe_rest(&search, &attribution.set, attribution.left);
+    let mut causes = describe_rest(
+        &search,
+        [&attribution.set, &attribution.named],
+        attribution.left,
+    );
     causes.extend(attribution.diagnoses);
     if search.is_interrupted() {
         return diagnoses.into();
@@ -113,8 +117,12 @@ pub fn diagnose_among(
     }
 }
 
-/// Describes the failures that the mistakes in `set` do not reproduce.
-fn describe_rest(search: &Search, set: &MistakeSet, mut left: Vec<usize>) -> Vec<Diagnosis> {
+/// Describes the failures that the mistakes in `set`, of which some are `named`, do not reproduce.
+fn describe_rest(
+    search: &Search,
+    [set, named]: [&MistakeSet; 2],
+    mut left: Vec<usize>,
+) -> Vec<Diagnosis> {
     let witnesses = search.witnesses;
     let mut causes = words::uniform::describe(witnesses, &mut left);
     causes.extend(words::acceptances::describe(witnesses, &mut left));
@@ -124,7 +132,12 @@ fn describe_rest(search: &Search, set: &MistakeSet, mut left: Vec<usize>) -> Vec
     causes.extend(words::violation::describe(witnesses, &mut left));
     let steps = place::steps(search, set, &left);
     for (step, group) in groups::group_images(search, set, &steps) {
-        causes.push(words::differences::describe(search, set, step, &group));
+        causes.push(words::differences::describe(
+            search,
+            [set, named],
+            step,
+            &group,
+        ));
     }
     causes
 }

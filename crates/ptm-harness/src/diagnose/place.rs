@@ -364,7 +364,7 @@ struct WrongPlanes<'a> {
 }
 
 impl<'a> WrongPlanes<'a> {
-    /// Returns `None` for a file without a model.
+    /// Returns `None` for a file without a model of its planes.
     fn new(pair: &'a ImagePair, witness: &'a Witness) -> Option<WrongPlanes<'a>> {
         let coded = witness.model()?.compressed.as_ref()?;
         let samples = pair.wrong_samples();
@@ -470,20 +470,22 @@ impl<'a> WrongPlanes<'a> {
 }
 
 /// Returns true if the values in each of these images that differ from those of a decoder with the mistakes in `set` are where a
-/// mistake in `step` shows. Colors do not show it.
+/// mistake in `step` shows. Colors do not show it, so there must be other images.
 pub(super) fn are_differences_of(
     search: &Search,
     set: &[MistakeId],
     step: Step,
     cases: &[usize],
 ) -> bool {
-    let mut cases = cases.iter().map(|&w| (w, &search.witnesses[w]));
-    cases.all(|(w, witness)| {
-        let is_of_step = |pair: &ImagePair| {
-            WrongPlanes::new(pair, witness).is_some_and(|planes| planes.are_of(step))
-        };
-        witness.is_rgb() || image_pair(search, set, w).as_ref().is_some_and(is_of_step)
-    })
+    let cases = cases.iter().map(|&w| (w, &search.witnesses[w]));
+    let mut values = cases.filter(|(_, witness)| !witness.is_rgb()).peekable();
+    values.peek().is_some()
+        && values.all(|(w, witness)| {
+            let is_of_step = |pair: &ImagePair| {
+                WrongPlanes::new(pair, witness).is_some_and(|planes| planes.are_of(step))
+            };
+            image_pair(search, set, w).as_ref().is_some_and(is_of_step)
+        })
 }
 
 /// Returns one flag per channel: true if the channel is wrong in an image of the earliest view. Returns an empty list if the

@@ -90,10 +90,10 @@ const fn step_clause(step: Step) -> Option<&'static str> {
     }
 }
 
-/// Describes a group of wrong images. `set` contains the mistakes that were found.
+/// Describes a group of wrong images. `set` contains the mistakes that were found, and `named` those of them that are named.
 pub(in crate::diagnose) fn describe(
     search: &Search,
-    set: &MistakeSet,
+    [set, named]: [&MistakeSet; 2],
     step: Step,
     group: &Group,
 ) -> Diagnosis {
@@ -119,7 +119,7 @@ pub(in crate::diagnose) fn describe(
         }
         _ => effect_and_fix(step),
     };
-    let effect = format!("{effect}{}", elsewhere(search, set, step, cases));
+    let effect = format!("{effect}{}", elsewhere(search, named, step, cases));
     let [_, swap_fix] = effect_and_fix(Step::Rearranged);
     let swapped = swapped_channels(search, cases, &wrong);
     let (effect, fix) = match (swapped, exchanged_axes(search, step, cases)) {
@@ -283,14 +283,16 @@ fn wrong_planes(search: &Search, cases: &[usize]) -> &'static str {
 
 /// Returns what is known about the values outside the planes and texels in which images of compressed files first differ, such as
 /// ", and nowhere else".
-fn elsewhere(search: &Search, set: &[MistakeId], step: Step, cases: &[usize]) -> &'static str {
+fn elsewhere(search: &Search, named: &[MistakeId], step: Step, cases: &[usize]) -> &'static str {
     let are_there = |set: &[MistakeId]| are_differences_of(search, set, step, cases);
     match step {
         Step::Prediction | Step::Correction | Step::CorrectedPlane => {
-            match (are_there(&[]), are_there(set)) {
-                (true, _) => ", and nowhere else",
-                (false, true) => ", and, apart from what named mistakes explain, nowhere else",
-                (false, false) => "",
+            if are_there(&[]) {
+                ", and nowhere else"
+            } else if are_there(named) {
+                ", and, apart from what named mistakes explain, nowhere else"
+            } else {
+                ""
             }
         }
         _ => "",
